@@ -1,0 +1,1 @@
+"""Metrics, fits, comparisons and reports."""

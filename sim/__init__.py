@@ -1,0 +1,1 @@
+"""The frame-level discrete-event simulator."""
