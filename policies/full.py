@@ -1,0 +1,39 @@
+"""``full``: every object at its finest level."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..models.scene import Scene
+from .protocol import Capabilities
+from .selection import Selection
+from .view import View
+
+__all__ = ["Full"]
+
+
+@dataclass(slots=True)
+class Full:
+    """Idea: no management; the baseline that every policy has to beat.
+
+    Uses: nothing.
+
+    Parameters: none.
+
+    Cost per frame: none.
+
+    Reference: the "no optimization" run of Funkhouser and Séquin, SIGGRAPH 1993.
+    """
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Nothing to prepare."""
+
+    def select(self, view: View) -> Selection:
+        """Return the finest level, or resolution 1, of every candidate."""
+        levels = view.scene.types.levels
+        if not levels.continuous.any():
+            return Selection(view.ids, np.zeros(len(view.ids)))
+        return Selection(view.ids, levels.continuous[view.type_index].astype(np.float64))

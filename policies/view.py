@@ -1,0 +1,220 @@
+"""What a policy sees of one frame: read-only, and never the future."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..models.arrays import BoolArray, FloatArray, IntArray
+from ..models.camera import Camera, eccentricity_deg, projected_area_px
+from ..models.scene import Scene
+from .selection import Selection
+
+__all__ = ["Completed", "FrameState", "View"]
+
+
+class Completed:
+    """Measured times of the frames whose measurement has reached the CPU so far, oldest first.
+
+    Attributes
+    ----------
+    frame : (n,) int64
+    cpu_ms, gpu_ms, work_ms : (n,) float64
+        Work times as a timer reports them, faults included; work is the larger of the two.
+    present_ms : (n,) float64
+        Interval to the previous displayed frame, which vsync quantises; NaN if not displayed yet.
+    """
+
+    __slots__ = ("_count", "_times")
+
+    def __init__(self, times: FloatArray, count: int) -> None:
+        """Wrap the first `count` rows of (n, 4) times: cpu, gpu, work, present."""
+        self._times = times
+        self._count = count
+
+    def __len__(self) -> int:
+        """Return the number of completed frames."""
+        return self._count
+
+    @property
+    def frame(self) -> IntArray:
+        """Frame indices, (n,)."""
+        return np.arange(self._count, dtype=np.int32)
+
+    @property
+    def cpu_ms(self) -> FloatArray:
+        """CPU time of each frame."""
+        return self._times[: self._count, 0]
+
+    @property
+    def gpu_ms(self) -> FloatArray:
+        """GPU time of each frame."""
+        return self._times[: self._count, 1]
+
+    @property
+    def work_ms(self) -> FloatArray:
+        """Larger of CPU and GPU time of each frame."""
+        return self._times[: self._count, 2]
+
+    @property
+    def present_ms(self) -> FloatArray:
+        """Interval between presents that each frame ended."""
+        return self._times[: self._count, 3]
+
+    def last_work_ms(self) -> float:
+        """Return the newest work time, or NaN before any frame has completed."""
+        return float(self._times[self._count - 1, 2]) if self._count else math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class FrameState:
+    """What one frame's views are computed from; built by whoever drives the policy.
+
+    Attributes
+    ----------
+    scene : Scene
+    camera : Camera
+    centers_m : (3, N) float64
+        Centres of the bounding spheres of all nodes at this frame's time.
+    frame : int
+    time_ns : int
+        Simulated time at which the input was sampled.
+    last_detail : (N,) float64
+        Detail at which each node was last drawn; NaN if never.
+    completed : Completed
+    previous : Selection or None
+        The policy's own last selection.
+    previous_camera : Camera or None
+        Camera of the last frame, `step_s` seconds earlier.
+    residency : (N,) bool or None
+        Nodes whose data are in memory; None where nothing is streamed.
+    """
+
+    scene: Scene
+    camera: Camera
+    centers_m: FloatArray
+    frame: int
+    time_ns: int
+    last_detail: FloatArray
+    completed: Completed
+    previous: Selection | None = None
+    previous_camera: Camera | None = None
+    step_s: float = 0.0
+    residency: BoolArray | None = None
+
+
+class View:
+    """Candidates of one frame and what can be known about them.
+
+    Per-node arrays are aligned with `ids`, computed when first asked for, and not to be written.
+
+    Attributes
+    ----------
+    ids : (m,) int32
+        Flat scenes: nodes whose bounding sphere meets the frustum.  Trees: the roots that do.
+    xyz_m : (3, m) float64
+        Right, up and forward coordinates of the bounding spheres' centres in the camera's frame.
+    """
+
+    def __init__(self, state: FrameState, ids: IntArray, xyz_m: FloatArray) -> None:
+        self.state = state
+        self.ids = ids
+        self.xyz_m = xyz_m
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return len(self.ids)
+
+    def at(self, ids: IntArray) -> "View":
+        """Return the same frame seen at other nodes, such as children of the roots."""
+        return View(self.state, ids, self.camera.to_camera(self.state.centers_m[:, ids]))
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the replay."""
+        return self.state.scene
+
+    @property
+    def camera(self) -> Camera:
+        """The camera at the time of input."""
+        return self.state.camera
+
+    @property
+    def frame(self) -> int:
+        """Index of the frame, from 0."""
+        return self.state.frame
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time at which the input was sampled."""
+        return self.state.time_ns
+
+    @property
+    def completed(self) -> Completed:
+        """Times of the frames completed so far."""
+        return self.state.completed
+
+    @property
+    def previous(self) -> Selection | None:
+        """The policy's own last selection."""
+        return self.state.previous
+
+    @cached_property
+    def type_index(self) -> IntArray:
+        """Type of each node, (m,)."""
+        return self.state.scene.type_index[self.ids]
+
+    @cached_property
+    def radius_m(self) -> FloatArray:
+        """Radius of each bounding sphere, (m,)."""
+        return self.state.scene.radius_m[self.ids]
+
+    @cached_property
+    def distance_m(self) -> FloatArray:
+        """Distance from the eye to each bounding sphere's centre, (m,)."""
+        x, y, z = self.xyz_m
+        square = x * x
+        square += y * y
+        square += z * z
+        return np.sqrt(square, out=square)
+
+    @cached_property
+    def nearest_m(self) -> FloatArray:
+        """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
+        gap = self.distance_m - self.radius_m
+        return np.maximum(gap, self.camera.near_m, out=gap)
+
+    @cached_property
+    def area_px(self) -> FloatArray:
+        """Projected area of each bounding sphere, at most the viewport's, (m,)."""
+        return projected_area_px(self.xyz_m[2], self.distance_m, self.radius_m, self.camera)
+
+    @cached_property
+    def eccentricity_deg(self) -> FloatArray:
+        """Angle between the view axis and each centre, (m,)."""
+        return eccentricity_deg(self.xyz_m[2], self.distance_m)
+
+    @cached_property
+    def speed_deg_s(self) -> FloatArray:
+        """Apparent angular speed of each centre since the last frame, (m,); 0 in the first."""
+        before, step_s = self.state.previous_camera, self.state.step_s
+        if before is None or step_s <= 0.0:
+            return np.zeros(len(self.ids))
+        old = before.to_camera(self.state.centers_m[:, self.ids])
+        sine = np.linalg.norm(np.cross(old, self.xyz_m, axis=0), axis=0)
+        cosine = np.einsum("ij,ij->j", old, self.xyz_m)
+        return np.degrees(np.arctan2(sine, cosine)) / step_s
+
+    @cached_property
+    def previous_detail(self) -> FloatArray:
+        """Detail at which each node was last drawn, NaN if never, (m,)."""
+        return self.state.last_detail[self.ids]
+
+    @cached_property
+    def resident(self) -> BoolArray:
+        """Whether each node's data are in memory, (m,)."""
+        everything = self.state.residency
+        if everything is None:
+            return np.ones(len(self.ids), dtype=np.bool_)
+        return everything[self.ids]

@@ -1,0 +1,127 @@
+"""The frame log: what a replay did, one row a frame, as a struct of arrays.
+
+`TIMES` are int64 nanoseconds of the simulated clock, -1 where a frame never got there (a frame that
+mailbox replaced has ``display_ns`` -1).  `COUNTS` are float64.  Both tuples are the schema, in
+column order, of the Parquet files that `write_frame_log` makes.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..models.arrays import FloatArray
+from ..models.predictors import LEVEL_PREDICTORS
+
+__all__ = ["COUNTS", "TIMES", "FrameLog", "LogHeader"]
+
+TIMES = (
+    "input_ns",  # the camera was sampled and CPU work began
+    "cpu_end_ns",  # submitted to the driver's queue
+    "gpu_start_ns",
+    "gpu_end_ns",
+    "display_ns",
+)
+
+COUNTS = (
+    *LEVEL_PREDICTORS,  # of everything drawn, cross-fades included
+    "shaded_samples",
+    "state_changes",
+    "visible",  # candidates in the frustum
+    "drawn",  # nodes drawn
+    "missing",  # candidates of which nothing was drawn
+    "fading",  # nodes drawn twice because a switch cross-fades
+    "full_gpu_ms",  # noise-free GPU time had every candidate been drawn at full detail
+    "model_gpu_ms",  # noise-free GPU time of what was drawn
+    "predicted_gpu_ms",  # what the policy predicted; NaN if it predicts nothing
+    "cpu_ms",  # with noise
+    "gpu_ms",  # with noise
+    "select_ms",  # part of cpu_ms (noise-free) that the policy's work cost
+    "objects_visited",
+    "comparisons",
+    "iterations",
+    "levels_extracted",
+    "triangles_extracted",
+    "levels_borrowed",
+    "toggles",
+    "reversals",
+    "popping_px",
+    "sse_px_p95",
+    "sse_px_max",
+    "benefit",
+    "full_benefit",
+    "degradation",
+    "full_degradation",
+    "memory_bytes",
+    "x_m",
+    "y_m",
+    "z_m",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class LogHeader:
+    """What was replayed.
+
+    Attributes
+    ----------
+    policy, scene, trace, hardware : names
+    budget_ms : float
+    seed : int
+    display_mode, refresh_hz : screen of the replay
+    memory_bound_bytes : loader's or device's memory
+    oracle : whether the policy saw the future
+    """
+
+    policy: str
+    scene: str
+    trace: str
+    hardware: str
+    budget_ms: float
+    seed: int
+    display_mode: str
+    refresh_hz: float
+    memory_bound_bytes: float
+    oracle: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameLog:
+    """Frames of one replay.
+
+    Attributes
+    ----------
+    header : LogHeader
+    times_ns : (n, len(TIMES)) int64
+    counts : (n, len(COUNTS)) float64
+    """
+
+    header: LogHeader
+    times_ns: NDArray[np.int64]
+    counts: FloatArray
+
+    def __post_init__(self) -> None:
+        n = len(self.times_ns)
+        if self.times_ns.shape != (n, len(TIMES)) or self.counts.shape != (n, len(COUNTS)):
+            raise InputError(
+                f"frame log: expected {len(TIMES)} times and {len(COUNTS)} counts a frame, got "
+                f"shapes {self.times_ns.shape} and {self.counts.shape}"
+            )
+        self.times_ns.flags.writeable = False
+        self.counts.flags.writeable = False
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self.times_ns)
+
+    def __getitem__(self, column: str) -> NDArray[Any]:
+        """Return a column by the name it has in `TIMES` or `COUNTS`, (n,)."""
+        if column in _TIME_INDEX:
+            return self.times_ns[:, _TIME_INDEX[column]]
+        return self.counts[:, _COUNT_INDEX[column]]
+
+
+_TIME_INDEX = {name: i for i, name in enumerate(TIMES)}
+_COUNT_INDEX = {name: i for i, name in enumerate(COUNTS)}

@@ -1,0 +1,160 @@
+"""Screens: when a finished frame is shown and when its swapchain image is free again.
+
+A screen is offered finished frames in order.  It shows each at some time or drops it, and calls
+`freed` whenever an image can be drawn into again: the image shown before, or a dropped one.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from ..models.hardware import Display
+from .events import EventQueue
+
+__all__ = ["DROPPED_NS", "Immediate", "Mailbox", "Screen", "Vrr", "Vsync", "make_screen"]
+
+DROPPED_NS = -1
+"""Display time of a frame that was never shown."""
+
+_PRIORITY = 1  # after a GPU completion of the same nanosecond: a frame done at the vblank is shown
+_NS_PER_S = 1_000_000_000
+
+Shown = Callable[[int, int], None]
+"""Called with time and frame; a time of `DROPPED_NS` says that the frame is dropped."""
+Freed = Callable[[int], None]
+"""Called with the time at which an image became free."""
+
+
+class Screen(Protocol):
+    """What the pipeline needs of a display mode."""
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Take a finished frame."""
+        ...
+
+
+class Immediate:
+    """Every frame is shown when it is finished, tearing if need be."""
+
+    __slots__ = ("_freed", "_front", "_shown")
+
+    def __init__(self, shown: Shown, freed: Freed) -> None:
+        self._shown, self._freed = shown, freed
+        self._front = False
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Show the frame now."""
+        self._shown(time_ns, frame)
+        if self._front:
+            self._freed(time_ns)
+        self._front = True
+
+
+class Vsync:
+    """Finished frames wait in order; each vblank shows the oldest."""
+
+    __slots__ = ("_events", "_freed", "_front", "_pending", "_refresh_hz", "_shown", "_tick")
+
+    def __init__(self, events: EventQueue, refresh_hz: float, shown: Shown, freed: Freed) -> None:
+        self._events, self._refresh_hz = events, refresh_hz
+        self._shown, self._freed = shown, freed
+        self._pending: deque[int] = deque()
+        self._front = False
+        self._tick = -1  # the last vblank that was used or is scheduled
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Queue the frame for the first vblank that no earlier frame takes."""
+        self._pending.append(frame)
+        if len(self._pending) == 1:
+            self._schedule(time_ns)
+
+    def _schedule(self, time_ns: int) -> None:
+        # Vblank n is at round(n · period): half a nanosecond off at most, and never accumulating.
+        tick = max(self._tick + 1, int(time_ns * self._refresh_hz / _NS_PER_S))
+        while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
+            tick += 1
+        self._tick = tick
+        self._events.schedule(at_ns, _PRIORITY, self._vblank, tick)
+
+    def _vblank(self, time_ns: int, _tick: int) -> None:
+        self._shown(time_ns, self._pending.popleft())
+        if self._pending:
+            self._schedule(time_ns)
+        if self._front:
+            self._freed(time_ns)
+        self._front = True
+
+
+class Mailbox(Vsync):
+    """A vblank shows the newest finished frame; the one that it replaces is dropped."""
+
+    __slots__ = ()
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Take the place of any frame that waits for the same vblank."""
+        if not self._pending:
+            super().offer(time_ns, frame)
+            return
+        self._shown(DROPPED_NS, self._pending.pop())
+        self._pending.append(frame)
+        self._freed(time_ns)
+
+
+class Vrr:
+    """The panel starts a refresh when a frame is finished, within its range of rates.
+
+    A refresh takes the shortest period.  When no frame comes within the longest period the panel
+    shows the old one again, and a frame that is finished meanwhile waits for that refresh to end.
+    """
+
+    __slots__ = (
+        "_events",
+        "_freed",
+        "_front",
+        "_last_ns",
+        "_longest_ns",
+        "_pending",
+        "_shortest_ns",
+        "_shown",
+    )
+
+    def __init__(self, events: EventQueue, display: Display, shown: Shown, freed: Freed) -> None:
+        self._events = events
+        self._shown, self._freed = shown, freed
+        self._shortest_ns = round(_NS_PER_S / display.refresh_hz)
+        self._longest_ns = max(round(_NS_PER_S / display.vrr_min_hz), self._shortest_ns)
+        self._pending: deque[int] = deque()
+        self._front = False
+        self._last_ns = -self._shortest_ns
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Show the frame as soon as the panel may start a refresh."""
+        self._pending.append(frame)
+        if len(self._pending) == 1:
+            self._schedule(time_ns)
+
+    def _schedule(self, time_ns: int) -> None:
+        repeats = max(0, (time_ns - self._last_ns - 1) // self._longest_ns)
+        self._last_ns += repeats * self._longest_ns
+        at_ns = max(time_ns, self._last_ns + self._shortest_ns)
+        self._events.schedule(at_ns, _PRIORITY, self._refresh, 0)
+
+    def _refresh(self, time_ns: int, _subject: int) -> None:
+        self._last_ns = time_ns
+        self._shown(time_ns, self._pending.popleft())
+        if self._pending:
+            self._schedule(time_ns)
+        if self._front:
+            self._freed(time_ns)
+        self._front = True
+
+
+def make_screen(display: Display, events: EventQueue, shown: Shown, freed: Freed) -> Screen:
+    """Return the screen of a display mode."""
+    if display.mode == "immediate":
+        return Immediate(shown, freed)
+    if display.mode == "vsync":
+        return Vsync(events, display.refresh_hz, shown, freed)
+    if display.mode == "mailbox":
+        return Mailbox(events, display.refresh_hz, shown, freed)
+    return Vrr(events, display, shown, freed)
