@@ -1,6 +1,5 @@
 """Frame logs as Parquet: one column a field, the header as key-value metadata."""
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 __all__ = ["read_frame_log", "write_frame_log"]
 
 _SCHEMA = b"lodbench.frame-log/1"
+_ADVICE = "give frames/<policy>.parquet of a run of `lodbench compare`"
 
 
 def write_frame_log(path: str | Path, log: FrameLog) -> None:
@@ -20,15 +20,14 @@ def write_frame_log(path: str | Path, log: FrameLog) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    columns: dict[str, Any] = {name: pa.array(log[name]) for name in (*TIMES, *COUNTS)}
-    table: Any = pa.table(columns).replace_schema_metadata(
-        {b"schema": _SCHEMA, b"header": msgspec.json.encode(log.header)}
-    )
+    columns = {name: log[name] for name in (*TIMES, *COUNTS)}
+    metadata = {b"schema": _SCHEMA, b"header": msgspec.json.encode(log.header)}
+    table = pa.table(columns, metadata=metadata)
     target = Path(path)
     partial = target.with_name(target.name + ".partial")
     try:
         pq.write_table(table, partial, compression="zstd")
-        os.replace(partial, target)
+        partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)
 
@@ -41,28 +40,15 @@ def read_frame_log(path: str | Path) -> FrameLog:
     InputError
         If the file is missing, is no Parquet, or has another schema.
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    source = Path(path)
-    advice = "give frames/<policy>.parquet of a run of `lodbench compare`"
-    try:
-        table: Any = pq.read_table(source)
-    except FileNotFoundError:
-        raise InputError(f"expected a frame log, got no file; {advice}", path=source) from None
-    except (OSError, pa.ArrowInvalid) as error:
-        raise InputError(
-            f"expected a Parquet frame log, got {error}; {advice}", path=source
-        ) from error
+    table = _read_table(Path(path))
     metadata: dict[bytes, bytes] = table.schema.metadata or {}
-    names: list[str] = table.column_names
-    if metadata.get(b"schema") != _SCHEMA or names != [*TIMES, *COUNTS]:
+    if metadata.get(b"schema") != _SCHEMA or table.column_names != [*TIMES, *COUNTS]:
         got = metadata.get(b"schema", b"none").decode(errors="replace")
-        raise InputError(f"expected schema {_SCHEMA.decode()}, got {got}; {advice}", path=source)
+        raise InputError(f"expected schema {_SCHEMA.decode()}, got {got}; {_ADVICE}", path=path)
     try:
         header = msgspec.json.decode(metadata[b"header"], type=LogHeader)
     except (KeyError, msgspec.MsgspecError) as error:
-        raise InputError(f"expected a frame-log header, got {error}", path=source) from error
+        raise InputError(f"expected a frame-log header, got {error}", path=path) from error
     rows: int = table.num_rows
     times = np.empty((rows, len(TIMES)), dtype=np.int64)
     for i, name in enumerate(TIMES):
@@ -71,3 +57,17 @@ def read_frame_log(path: str | Path) -> FrameLog:
     for i, name in enumerate(COUNTS):
         counts[:, i] = table.column(name).to_numpy()
     return FrameLog(header, times, counts)
+
+
+def _read_table(source: Path) -> Any:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        return pq.read_table(source)
+    except FileNotFoundError:
+        raise InputError(f"expected a frame log, got no file; {_ADVICE}", path=source) from None
+    except (OSError, pa.ArrowInvalid) as error:
+        raise InputError(
+            f"expected a Parquet frame log, got {error}; {_ADVICE}", path=source
+        ) from error
