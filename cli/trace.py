@@ -1,0 +1,202 @@
+"""`lodbench trace`: look at camera traces, convert them, and generate them."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:  # numpy is loaded by the command that needs it
+    from ..traces.camera import CameraTrace
+    from ..traces.place import Placement
+    from ..traces.stats import Percentiles, TraceStats
+
+app = typer.Typer(
+    name="trace",
+    help="Look at camera traces, convert them, and generate them.",
+    no_args_is_help=True,
+)
+
+Spec = Annotated[
+    str, typer.Argument(metavar="TRACE", help="A file, or FILE#SELECTOR to choose within it.")
+]
+From = Annotated[
+    str | None,
+    typer.Option("--from", metavar="FORMAT", help="Format of TRACE; else its content decides."),
+]
+To = Annotated[
+    str | None,
+    typer.Option("--to", metavar="FORMAT", help="csv, parquet or tum; else the suffix decides."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
+Scale = Annotated[float, typer.Option(help="Factor on positions, and so on speeds.")]
+Offset = Annotated[
+    tuple[float, float, float],
+    typer.Option(metavar="X Y Z", help="Added after scaling, in metres."),
+]
+Up = Annotated[str, typer.Option(help="Axis that points up in the trace: z, y, x, -z, -y or -x.")]
+Yaw = Annotated[float, typer.Option(help="Turn about the up axis, counter-clockwise from above.")]
+
+
+@app.command()
+def info(
+    trace: Spec,
+    source: From = None,
+    as_json: Json = False,
+    scale: Scale = 1.0,
+    offset_m: Offset = (0.0, 0.0, 0.0),
+    up: Up = "z",
+    yaw_deg: Yaw = 0.0,
+) -> None:
+    """Show duration, rate, speeds and turn rates, gaps, cuts and repairs.
+
+    With --scale, --offset-m, --up or --yaw-deg: of the trace as placed so.
+    """
+    from ..traces.place import Placement
+    from ..traces.stats import trace_stats
+
+    placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
+    format_name, placed = _read_placed(trace, source, placement)
+    stats = trace_stats(placed)
+    if as_json:
+        record = {
+            "schema": "lodbench.trace-info/1",
+            "trace": trace,
+            "name": placed.name,
+            "format": format_name,
+            "origin_s": placed.origin_s,
+            "placement": asdict(placement),
+            **asdict(stats),
+        }
+        print(json.dumps(record))
+    else:
+        _print_info(placed.name, format_name, scale, stats)
+
+
+@app.command()
+def convert(
+    trace: Spec,
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="File to write.")],
+    source: From = None,
+    target: To = None,
+    as_json: Json = False,
+    scale: Scale = 1.0,
+    offset_m: Offset = (0.0, 0.0, 0.0),
+    up: Up = "z",
+    yaw_deg: Yaw = 0.0,
+) -> None:
+    """Write a trace in another format, placed into a scene if asked."""
+    from ..traces.place import Placement
+    from ..traces.write import format_for_writing, write_trace
+
+    format_for_writing(out, target)  # refuses a wrong name before the work
+    placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
+    _, placed = _read_placed(trace, source, placement)
+    written = write_trace(placed, out, target)
+    _report_written("lodbench.trace-convert/1", out, written.name, placed, as_json=as_json)
+
+
+@app.command()
+def generate(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help="walk, drive, fly-over, orbit, look-around, dash, teleport or sudden-turn.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", help="File to write.")],
+    target: To = None,
+    duration_s: Annotated[float, typer.Option(help="Length of the trace.")] = 60.0,
+    rate_hz: Annotated[float, typer.Option(help="Samples per second.")] = 60.0,
+    speed_m_s: Annotated[
+        float | None, typer.Option(help="Largest speed; else the kind's own.")
+    ] = None,
+    extent_m: Annotated[float, typer.Option(help="Side of the square that is used.")] = 100.0,
+    center_m: Annotated[
+        tuple[float, float, float], typer.Option(metavar="X Y Z", help="Middle of the square.")
+    ] = (0.0, 0.0, 0.0),
+    height_m: Annotated[
+        float | None, typer.Option(help="Camera above the middle; else the kind's own.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Same seed, same trace.")] = 0,
+    as_json: Json = False,
+) -> None:
+    """Make up a trace of one kind of movement."""
+    from ..traces.generate import generate as generate_trace
+    from ..traces.write import format_for_writing, write_trace
+
+    format_for_writing(out, target)
+    made = generate_trace(
+        kind,
+        duration_s=duration_s,
+        rate_hz=rate_hz,
+        speed_m_s=speed_m_s,
+        extent_m=extent_m,
+        center_m=center_m,
+        height_m=height_m,
+        seed=seed,
+    )
+    written = write_trace(made, out, target)
+    _report_written("lodbench.trace-generate/1", out, written.name, made, as_json=as_json)
+
+
+def _read_placed(
+    spec: str, source: str | None, placement: "Placement"
+) -> tuple[str, "CameraTrace"]:
+    """Name of the format that was read, and the trace as placed."""
+    from ..traces.place import place
+    from ..traces.read import format_of, read_trace, split_spec
+
+    format_name = source or format_of(split_spec(spec)[0]).name
+    return format_name, place(read_trace(spec, format_name), placement)
+
+
+def _report_written(
+    schema: str, out: Path, format_name: str, trace: "CameraTrace", *, as_json: bool
+) -> None:
+    if as_json:
+        record = {
+            "schema": schema,
+            "out": str(out),
+            "format": format_name,
+            "samples": len(trace),
+            "duration_s": trace.duration_s,
+            "repairs": [str(repair) for repair in trace.repairs],
+        }
+        print(json.dumps(record))
+        return
+    print(f"{out}: {len(trace)} samples, {trace.duration_s:.3f} s, {format_name}")
+    for repair in trace.repairs:
+        print(f"repaired: {repair}")
+
+
+def _print_info(name: str, format_name: str, scale: float, stats: "TraceStats") -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(name), show_header=False)
+    rows = {
+        "format": format_name,
+        "samples": f"{stats.samples} at {stats.rate_hz:.4g} Hz",
+        "duration": f"{stats.duration_s:.3f} s",
+        "path": f"{stats.path_m:.2f} m",
+        "from": " ".join(f"{value:.2f}" for value in stats.low_m) + " m",
+        "to": " ".join(f"{value:.2f}" for value in stats.high_m) + " m",
+        "speed p5 p50 p95 max": _show(stats.speed_m_s) + " m/s",
+        "turn p5 p50 p95 max": _show(stats.turn_deg_s) + " deg/s",
+        "gaps": f"{stats.gaps}, longest {stats.longest_gap_s:.3f} s" if stats.gaps else "none",
+        "cuts": str(stats.cuts or "none"),
+        "repairs": "; ".join(stats.repairs) or "none",
+    }
+    if scale != 1.0:
+        rows["placed"] = f"scale {scale:g}: speeds are {scale:g} times the source's"
+    for label, value in rows.items():
+        table.add_row(label, Text(value))
+    Console().print(table)
+
+
+def _show(percentiles: "Percentiles") -> str:
+    return " ".join(f"{value:.3g}" for value in asdict(percentiles).values())

@@ -1,0 +1,75 @@
+"""Read a camera trace from a file of any known format, named or recognised by its content."""
+
+from pathlib import Path
+
+from ..errors import InputError
+from . import euroc, headset, kitti, native_csv, native_parquet, tum
+from .camera import CameraTrace
+from .format import TraceFormat
+from .textlines import read_bytes, read_lines
+
+__all__ = ["FORMATS", "format_of", "read_trace", "split_spec"]
+
+FORMATS: dict[str, TraceFormat] = {
+    module.FORMAT.name: module.FORMAT
+    for module in (native_csv, native_parquet, tum, euroc, kitti, headset)
+}
+
+HEAD_BYTES = 1 << 14
+
+
+def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
+    """Read the trace that ``PATH`` or ``PATH#SELECTOR`` names.
+
+    Parameters
+    ----------
+    spec
+        A path; after ``#``, which trace of a file that holds several (headset), or the file with
+        the times (KITTI).
+    format_name
+        A key of `FORMATS`; None recognises the format by the content.
+
+    Raises
+    ------
+    InputError
+        If the format is not known or the file breaks it.
+    """
+    path, selector = split_spec(spec)
+    chosen = format_of(path) if format_name is None else _named(format_name)
+    return chosen.read(path, selector)
+
+
+def split_spec(spec: str) -> tuple[Path, str | None]:
+    """Path and selector of a specification; a file whose own name holds ``#`` comes first."""
+    name, mark, selector = spec.rpartition("#")
+    if not mark or Path(spec).is_file():
+        return Path(spec), None
+    return Path(name), selector
+
+
+def format_of(path: Path) -> TraceFormat:
+    """Format of a file, by its content.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or no format recognises it.
+    """
+    head = read_bytes(path, HEAD_BYTES).decode("latin-1").removeprefix("\xef\xbb\xbf")
+    lines = [line.strip() for line in head.splitlines() if line.strip()]
+    for candidate in FORMATS.values():
+        if candidate.recognises(lines):
+            return candidate
+    read_lines(path)  # says so if the file is not even text
+    shown = next((line for line in lines if not line.startswith("#")), "no data")[:60]
+    raise InputError(
+        f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "
+        "convert it to the native CSV, or name the format",
+        path=path,
+    )
+
+
+def _named(name: str) -> TraceFormat:
+    if name not in FORMATS:
+        raise InputError(f"expected a format out of {', '.join(FORMATS)}, got {name!r}; name one")
+    return FORMATS[name]

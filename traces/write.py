@@ -1,0 +1,68 @@
+"""Write a camera trace to a file, whole or not at all."""
+
+import os
+from pathlib import Path
+
+from ..errors import InputError
+from .camera import CameraTrace
+from .format import TraceFormat
+from .read import FORMATS
+
+__all__ = ["format_for_writing", "write_trace"]
+
+
+def write_trace(trace: CameraTrace, path: Path, format_name: str | None = None) -> TraceFormat:
+    """Write a trace and return the format used.
+
+    Parameters
+    ----------
+    format_name
+        A key of `FORMATS` that can be written; None takes it from the file's suffix.
+
+    Raises
+    ------
+    InputError
+        If the format is not known, cannot hold the trace, or the file cannot be written; a file
+        that was there before stays as it was.
+    """
+    chosen = format_for_writing(path, format_name)
+    assert chosen.write is not None
+    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    try:
+        chosen.write(trace, partial)
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(
+            f"expected a file that can be written, got {error.strerror or error}; check the folder",
+            path=path,
+        ) from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return chosen
+
+
+def format_for_writing(path: Path, format_name: str | None = None) -> TraceFormat:
+    """Format to write, by name or by the suffix of the path.
+
+    Raises
+    ------
+    InputError
+        If no format that can be written has this name or suffix.
+    """
+    writable = {name: known for name, known in FORMATS.items() if known.write is not None}
+    if format_name is not None:
+        if format_name in writable:
+            return writable[format_name]
+        raise InputError(
+            f"expected a format to write out of {', '.join(writable)}, got {format_name!r}; "
+            "name one"
+        )
+    for candidate in writable.values():
+        if path.suffix.lower() in candidate.suffixes:
+            return candidate
+    suffixes = [suffix for known in writable.values() for suffix in known.suffixes]
+    raise InputError(
+        f"expected a name that ends in {', '.join(suffixes)}, got {path.name!r}; "
+        "change the name or name the format",
+        path=path,
+    )
