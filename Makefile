@@ -1,0 +1,66 @@
+# make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
+# make test      quick tests          make test-slow   the others
+# make check     format, lint, types and every command that the documentation shows
+# make bench     speed, held against simpy
+# make docs      generated tables of the documentation
+#
+# Everything happens in .venv, made from the first Python >= 3.11 found, or from PYTHON=...
+
+PYTHON =
+PYTEST_FLAGS =
+PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
+BIN = .venv/bin
+
+.PHONY: compare test test-slow check bench docs clean
+.DELETE_ON_ERROR:
+
+compare: .venv/.installed
+	$(BIN)/lodbench compare --out out/compare
+
+test: .venv/.installed-dev
+	$(BIN)/pytest -n auto --dist loadfile -m "not slow" --ignore=tests/benchmarks $(PYTEST_FLAGS)
+
+test-slow: .venv/.installed-dev
+	$(BIN)/pytest -n auto -m slow --ignore=tests/benchmarks $(PYTEST_FLAGS)
+
+check: .venv/.installed-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/pyright
+	$(BIN)/pytest -q tests/test_docs.py
+
+bench: .venv/.installed-bench
+	$(BIN)/pytest tests/benchmarks $(PYTEST_FLAGS)
+
+docs: .venv/.installed-dev
+	$(BIN)/python docs/build.py
+	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
+
+clean:
+	rm -rf .venv .types out build dist lodbench.egg-info .benchmarks .hypothesis
+	rm -rf .pytest_cache .ruff_cache
+
+.venv/pyvenv.cfg:
+	@for python in $(PYTHONS); do \
+	  if "$$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' \
+	      >/dev/null 2>&1; then \
+	    echo "$$python -m venv .venv"; exec "$$python" -m venv .venv; \
+	  fi; \
+	done; \
+	echo "error: expected Python 3.11 or later with venv, found none of: $(PYTHONS);" \
+	  "install one, or name it: make PYTHON=/path/to/python3" >&2; exit 1
+
+# Analysers resolve the package by this link, because its folder has the checkout's name.
+.venv/.installed: .venv/pyvenv.cfg pyproject.toml
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --editable .
+	mkdir -p .types && ln -sfn .. .types/lodbench
+	touch $@
+
+.venv/.installed-dev: .venv/.installed
+	$(BIN)/python -m pip install --quiet --editable ".[dev]"
+	touch $@
+
+.venv/.installed-bench: .venv/.installed-dev
+	$(BIN)/python -m pip install --quiet --group bench
+	touch $@

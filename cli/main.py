@@ -1,0 +1,121 @@
+"""The command ``lodbench``: which commands there are, and what happens to their errors.
+
+A command's module is imported when the command is run, so that ``lodbench --help`` stays quick.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Annotated, Any, NamedTuple
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command, get_group
+
+from .. import __version__
+from ..errors import InputError, LodbenchError
+
+__all__ = ["COMMANDS", "Command", "load_command", "main", "run"]
+
+
+class Command(NamedTuple):
+    """Where a command is: a function, or a typer app of commands, and its line in the help."""
+
+    module: str
+    attribute: str
+    help: str
+
+
+COMMANDS = {
+    "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
+}
+
+
+def load_command(name: str) -> Any:
+    """Import a command and return it as typer runs it."""
+    entry = COMMANDS[name]
+    target = getattr(import_module(f".{entry.module}", __package__), entry.attribute)
+    if isinstance(target, typer.Typer):
+        return get_group(target)
+    app = typer.Typer(add_completion=False)
+    app.command(name)(target)
+    return get_command(app)
+
+
+class _LazyGroup(TyperGroup):
+    """The group of all commands, which holds only their names and help until one is run."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
+        name, _, rest = super().resolve_command(ctx, args)
+        return name, None if name is None else load_command(name), rest
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except LodbenchError as error:
+            _say(f"error: {error}")
+            raise typer.Exit(2 if isinstance(error, InputError) else 1) from error
+        except OSError as error:
+            if error.filename is None:
+                raise
+            _say(
+                f"error: {error.filename}: expected a path to read or write, got "
+                f"{error.strerror}; check the path and its permissions"
+            )
+            raise typer.Exit(2) from error
+        except KeyboardInterrupt as error:
+            _say("interrupted: nothing more is written")
+            raise typer.Exit(130) from error
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr)
+
+
+_app = typer.Typer(
+    cls=_LazyGroup,
+    add_completion=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"lodbench {__version__}")
+        raise typer.Exit
+
+
+@_app.callback()
+def lodbench(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Compare level-of-detail policies: replay a camera trace, simulate frames, score each."""
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code: 0 done, 1 failed, 2 bad input."""
+    group = get_group(_app)
+    for name, entry in COMMANDS.items():
+        group.add_command(TyperCommand(name, help=entry.help))
+    try:
+        group.main(arguments, prog_name="lodbench")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+def main() -> None:
+    """Run the command line and leave the process; a reader that closed the pipe ends it quietly."""
+    code = run()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The interpreter flushes once more at exit, and would complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(code)
