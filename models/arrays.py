@@ -10,7 +10,7 @@ from ..errors import InputError
 __all__ = ["BoolArray", "FloatArray", "IntArray", "frozen_array", "require_finite"]
 
 FloatArray: TypeAlias = NDArray[np.float64]
-IntArray: TypeAlias = NDArray[np.int32]
+IntArray: TypeAlias = NDArray[np.integer[Any]]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
 

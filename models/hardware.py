@@ -1,6 +1,6 @@
 """A hardware profile: cost models, their uncertainty, display, memory and disk."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -136,3 +136,23 @@ class HardwareProfile:
             raise InputError("hardware: expected positive finite memory and disk figures")
         if self.disk_latency_ms < 0:
             raise InputError(f"disk latency: expected >= 0 ms, got {self.disk_latency_ms}")
+
+    def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
+        """Return the GPU's cost model and scatter: the profile's own, or those of one draw.
+
+        Raises
+        ------
+        InputError
+            If the profile has no such draw.
+        """
+        if draw is None:
+            return self.gpu, self.gpu_residual
+        if self.posterior is None or not 0 <= draw < len(self.posterior):
+            count = 0 if self.posterior is None else len(self.posterior)
+            raise InputError(f"draw: {self.name} has {count} posterior draws, got {draw}")
+        model = CostModel(
+            float(self.posterior.base_ms[draw]),
+            self.posterior.linear_ms[draw],
+            self.gpu.roofline_ms,
+        )
+        return model, replace(self.gpu_residual, scale=float(self.posterior.scale[draw]))

@@ -32,7 +32,7 @@ class Pipeline:
     Attributes
     ----------
     input_ns, cpu_end_ns, gpu_start_ns, gpu_end_ns, display_ns : array of int64, one a frame
-        -1 where not reached; `DROPPED_NS` (also -1) in `display_ns` for a frame never shown.
+        -1 where not reached yet; `DROPPED_NS` in `display_ns` of a frame that is never shown.
     completed : int
         Frames whose GPU work is complete; they complete in order.
     """

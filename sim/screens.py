@@ -13,8 +13,8 @@ from .events import EventQueue
 
 __all__ = ["DROPPED_NS", "Immediate", "Mailbox", "Screen", "Vrr", "Vsync", "make_screen"]
 
-DROPPED_NS = -1
-"""Display time of a frame that was never shown."""
+DROPPED_NS = -2
+"""Time that a screen reports for a frame that it will never show."""
 
 _PRIORITY = 1  # after a GPU completion of the same nanosecond: a frame done at the vblank is shown
 _NS_PER_S = 1_000_000_000

@@ -1,0 +1,301 @@
+"""Replay of a camera trace through the pipeline under one policy."""
+
+import math
+from array import array
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import InputError, PolicyError
+from ..models.arrays import FloatArray
+from ..models.camera import Camera
+from ..models.hardware import HardwareProfile
+from ..models.predictors import LEVEL_PREDICTORS
+from ..models.scene import Scene
+from ..policies.protocol import Policy
+from ..policies.selection import Selection, find_violation
+from ..policies.view import FrameState, View
+from ..traces.camera import CameraTrace
+from .accounting import Accounting, Tally
+from .extraction import Extraction, IndexSets
+from .faults import Faults
+from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
+from .frustum import Culler
+from .measure import FrameNoise, FrameTimer
+from .pipeline import Pipeline
+
+__all__ = ["ReplayOptions", "replay"]
+
+_NS_PER_MS = 1e6
+_MAX_FRAMES = 10_000_000
+_DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayOptions:
+    """How to replay.
+
+    Attributes
+    ----------
+    budget_ms : float
+        Time that a frame may take; what policies aim at.
+    seed : int
+        Root of all noise; the noise of frame k is the same under every policy.
+    frames : int or None
+        Frames to render; None for as long as the trace lasts.
+    fovy_deg : float
+        Vertical field of view.
+    crossfade_ms : float
+        Time for which a switched node is drawn at both levels.
+    measurement_delay : int
+        Frames, beyond its completion, until a frame's timer is read (GPU timer queries).
+    faults : Faults
+        What the timers get wrong.
+    draw : int or None
+        Posterior draw that plays the truth; None for the profile's mean.
+    """
+
+    budget_ms: float
+    seed: int = 0
+    frames: int | None = None
+    fovy_deg: float = 60.0
+    crossfade_ms: float = 0.0
+    measurement_delay: int = 0
+    faults: Faults = field(default_factory=Faults)
+    draw: int | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.budget_ms) and self.budget_ms > 0.0):
+            raise InputError(f"budget: expected milliseconds > 0, got {self.budget_ms}")
+        if self.frames is not None and not 1 <= self.frames <= _MAX_FRAMES:
+            raise InputError(f"frames: expected 1 to {_MAX_FRAMES}, got {self.frames}")
+        if not (math.isfinite(self.crossfade_ms) and self.crossfade_ms >= 0.0):
+            raise InputError(f"crossfade: expected milliseconds >= 0, got {self.crossfade_ms}")
+        if not 0 <= self.measurement_delay <= 16:
+            raise InputError(
+                f"measurement delay: expected 0 to 16 frames, got {self.measurement_delay}"
+            )
+        if self.seed < 0:
+            raise InputError(f"seed: expected an integer >= 0, got {self.seed}")
+
+
+def replay(
+    policy: Policy,
+    scene: Scene,
+    trace: CameraTrace,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    *,
+    name: str,
+) -> FrameLog:
+    """Replay `trace` through `scene` on `hardware` under `policy`; return its frame log.
+
+    The replay ends with the trace or after `options.frames` frames.  The same arguments give the
+    same bytes.
+
+    Raises
+    ------
+    PolicyError
+        If the policy raises or a selection breaks its contract.
+    """
+    source = _Source(policy, scene, trace, hardware, options, name)
+    pipeline = Pipeline(source, hardware.display, hardware.frames_in_flight)
+    source.attach(pipeline)
+    pipeline.run()
+    return source.log(pipeline)
+
+
+class _Source:
+    """Decides, counts and prices each frame when the pipeline begins it."""
+
+    def __init__(
+        self,
+        policy: Policy,
+        scene: Scene,
+        trace: CameraTrace,
+        hardware: HardwareProfile,
+        options: ReplayOptions,
+        name: str,
+    ) -> None:
+        self._policy, self._name = policy, name
+        self._scene = scene.with_costs(hardware.gpu)
+        self._trace, self._hardware, self._options = trace, hardware, options
+        self._end_ns = round(trace.duration_s * 1e9)
+        self._fovy_rad = math.radians(options.fovy_deg)
+        self._rest_m = np.ascontiguousarray(scene.center_m.T)
+        self._rest_m.flags.writeable = False
+        self._culler = Culler(scene.radius_m)
+        truth, scatter = hardware.truth(options.draw)
+        crossfade_ns = round(options.crossfade_ms * _NS_PER_MS)
+        self._accounting = Accounting(scene, truth, crossfade_ns, self._camera(0.0))
+        self._index_sets = IndexSets(scene)
+        self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
+        self._memory_bytes = float(scene.types.levels.bytes.sum())
+        gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
+        self._gpu_noise = FrameNoise(scatter.factors, gpu)
+        self._cpu_noise = FrameNoise(hardware.cpu_residual.factors, cpu)
+        self._timer = FrameTimer(options.faults, options.measurement_delay, dice)
+        self._counts = array("d")
+        self._previous: Selection | None = None
+        self._previous_camera: Camera | None = None
+        self._previous_s = 0.0
+        try:
+            policy.reset(self._scene, options.budget_ms)
+        except Exception as error:
+            raise PolicyError(name, None, _describe(error)) from error
+
+    def attach(self, pipeline: Pipeline) -> None:
+        """Take times of completed frames from this pipeline."""
+        self._timer.attach(pipeline)
+
+    def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
+        """Select, count and price one frame (see `FrameSource`)."""
+        if frame == self._options.frames or (self._options.frames is None and self._over(time_ns)):
+            return None
+        time_s = time_ns * 1e-9
+        camera = self._camera(time_s)
+        centers_m = self._centers(time_s)
+        ids, xyz_m = self._culler.cull(centers_m, camera)
+        state = FrameState(
+            self._scene,
+            camera,
+            centers_m,
+            frame,
+            time_ns,
+            self._accounting.switches.detail,
+            self._timer.completed(),
+            self._previous,
+            self._previous_camera,
+            time_s - self._previous_s,
+        )
+        view = View(state, ids, xyz_m)
+        selection = self._select(view)
+        self._previous, self._previous_camera = selection, camera
+        self._previous_s = time_s
+        return self._record(view, selection)
+
+    def _over(self, time_ns: int) -> bool:
+        return time_ns > self._end_ns
+
+    def _camera(self, time_s: float) -> Camera:
+        pose = self._trace.pose_at(time_s)
+        display = self._hardware.display
+        return Camera(
+            pose.position_m,
+            pose.orientation_xyzw,
+            display.width_px,
+            display.height_px,
+            self._fovy_rad,
+        )
+
+    def _centers(self, time_s: float) -> FloatArray:
+        motion = self._scene.motion
+        if motion is None:
+            return self._rest_m
+        centers_m = self._rest_m.copy()
+        centers_m[:, motion.node] += motion.offset_m(time_s).T
+        return centers_m
+
+    def _select(self, view: View) -> Selection:
+        try:
+            selection = self._policy.select(view)
+        except Exception as error:
+            raise PolicyError(self._name, view.frame, _describe(error)) from error
+        violation = find_violation(selection, view.ids, self._scene)
+        if violation is not None:
+            raise PolicyError(self._name, view.frame, violation)
+        return selection
+
+    def _record(self, view: View, selection: Selection) -> tuple[int, int]:
+        accounting = self._accounting
+        drawn = accounting.drawn(selection, view)
+        switches = accounting.switches.record(view.frame, view.time_ns, drawn)
+        tally = accounting.tally(view.time_ns, drawn)
+        quality = accounting.quality(drawn, view)
+        try:
+            extraction = self._index_sets.record(selection, drawn)
+        except ValueError as error:
+            raise PolicyError(self._name, view.frame, str(error)) from error
+        select_ms, cpu_ms = self._cpu_ms(selection, tally, extraction)
+        cpu_ms *= self._cpu_noise.next()
+        gpu_ms = tally.gpu_ms * self._gpu_noise.next()
+        work, position = selection.work, view.camera.position_m
+        self._counts.extend(tally.level_counts.tolist())
+        self._counts.extend(
+            (
+                tally.shaded_samples,
+                tally.state_changes,
+                len(view.ids),
+                len(drawn.ids),
+                len(view.ids) - len(drawn.ids),
+                tally.fading,
+                accounting.full_gpu_ms(view),
+                tally.gpu_ms,
+                selection.predicted_ms,
+                cpu_ms,
+                gpu_ms,
+                select_ms,
+                work.objects_visited,
+                work.comparisons,
+                work.iterations,
+                extraction.levels,
+                extraction.triangles,
+                extraction.borrowed,
+                switches.toggles,
+                switches.reversals,
+                switches.popping_px,
+                quality.sse_px_p95,
+                quality.sse_px_max,
+                quality.benefit,
+                quality.full_benefit,
+                quality.degradation,
+                quality.full_degradation,
+                self._memory_bytes,
+                *position,
+            )
+        )
+        return max(1, round(cpu_ms * _NS_PER_MS)), max(1, round(gpu_ms * _NS_PER_MS))
+
+    def _cpu_ms(
+        self, selection: Selection, tally: Tally, extraction: Extraction
+    ) -> tuple[float, float]:
+        """Return the policy's share and the whole of the frame's noise-free CPU time."""
+        work, cpu = selection.work, self._hardware.cpu
+        units = (
+            work.objects_visited,
+            work.comparisons,
+            work.iterations,
+            extraction.levels,
+            extraction.triangles,
+            extraction.borrowed,
+            float(tally.level_counts[_DRAW_CALLS]),
+            len(self._scene),
+        )
+        terms = [ms * unit for ms, unit in zip(self._cpu_unit_ms, units, strict=True)]
+        return sum(terms[:3]), cpu.base_ms + sum(terms)
+
+    def log(self, pipeline: Pipeline) -> FrameLog:
+        """Return the log of the finished replay."""
+        options, hardware = self._options, self._hardware
+        header = LogHeader(
+            self._name,
+            self._scene.name,
+            self._trace.name,
+            hardware.name,
+            options.budget_ms,
+            options.seed,
+            hardware.display.mode,
+            hardware.display.refresh_hz,
+            hardware.memory_bytes,
+            self._policy.capabilities.future,
+        )
+        columns = [np.frombuffer(getattr(pipeline, name), dtype=np.int64) for name in TIMES]
+        times_ns = np.maximum(np.stack(columns, axis=1), -1)
+        counts = np.frombuffer(self._counts, dtype=np.float64).reshape(-1, len(COUNTS))
+        return FrameLog(header, times_ns, counts.copy())
+
+
+def _describe(error: Exception) -> str:
+    """Return an exception raised by a policy in one line."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
