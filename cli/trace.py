@@ -42,6 +42,7 @@ Yaw = Annotated[float, typer.Option(help="Turn about the up axis, counter-clockw
 @app.command()
 def info(
     trace: Spec,
+    *,
     source: From = None,
     as_json: Json = False,
     scale: Scale = 1.0,
@@ -78,6 +79,7 @@ def info(
 def convert(
     trace: Spec,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="File to write.")],
+    *,
     source: From = None,
     target: To = None,
     as_json: Json = False,
@@ -106,6 +108,7 @@ def generate(
             help="walk, drive, fly-over, orbit, look-around, dash, teleport or sudden-turn.",
         ),
     ],
+    *,
     out: Annotated[Path, typer.Option("--out", help="File to write.")],
     target: To = None,
     duration_s: Annotated[float, typer.Option(help="Length of the trace.")] = 60.0,

@@ -21,7 +21,8 @@ class TraceFormat:
     what
         One line for tables.
     recognises
-        Takes the first non-blank lines (bytes as Latin-1) and says whether this is the format.
+        Takes the first non-blank lines (of a Parquet file, ``PAR1``) and says whether they are of
+        this format.
     read
         Takes the path and the part of the specification after ``#`` (None when there is none).
     write

@@ -14,7 +14,6 @@ from .camera import CameraTrace, FloatArray
 from .format import TraceFormat, refuse_selector
 from .native import REQUIRED, SCHEMA, Header, check_columns, decode_header, encode_header
 from .samples import trace_from_samples
-from .textlines import read_bytes
 
 __all__ = ["FORMAT", "read_parquet", "write_parquet"]
 
@@ -67,13 +66,13 @@ def _read_table(path: Path) -> Any:
     from pyarrow import parquet
 
     refusals: tuple[type[Exception], ...] = (pa.ArrowException, OSError, ValueError)
-    source: Any = pa.BufferReader(read_bytes(path))
     try:
-        table: Any = parquet.read_table(source)
+        with path.open("rb") as file:
+            table: Any = parquet.read_table(file)
     except refusals as error:
         reason = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
         raise InputError(
-            f"expected a Parquet file, got a damaged one ({reason}); write it again", path=path
+            f"expected a Parquet file that can be read, got {reason}; write it again", path=path
         ) from error
     return table
 

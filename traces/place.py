@@ -81,7 +81,7 @@ def _turn(trace: CameraTrace, placement: Placement) -> tuple[FloatArray, FloatAr
     about_x, about_y = UP_AXES[placement.up]
     turn = Rotation.from_euler("xyz", [about_x, about_y, placement.yaw_deg], degrees=True)
     orientation: FloatArray = (turn * Rotation.from_quat(trace.orientation_xyzw)).as_quat()
-    return turn.apply(trace.position_m), orientation
+    return trace.position_m @ turn.as_matrix().T, orientation
 
 
 def fit_placement(

@@ -1,12 +1,13 @@
 """Read a camera trace from a file of any known format, named or recognised by its content."""
 
+from itertools import islice
 from pathlib import Path
 
 from ..errors import InputError
 from . import euroc, headset, kitti, native_csv, native_parquet, tum
 from .camera import CameraTrace
 from .format import TraceFormat
-from .textlines import read_bytes, read_lines
+from .textlines import read_lines
 
 __all__ = ["FORMATS", "format_of", "read_trace", "split_spec"]
 
@@ -15,7 +16,7 @@ FORMATS: dict[str, TraceFormat] = {
     for module in (native_csv, native_parquet, tum, euroc, kitti, headset)
 }
 
-HEAD_BYTES = 1 << 14
+HEAD_LINES = 100
 
 
 def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
@@ -55,18 +56,28 @@ def format_of(path: Path) -> TraceFormat:
     InputError
         If the file cannot be read or no format recognises it.
     """
-    head = read_bytes(path, HEAD_BYTES).decode("latin-1").removeprefix("\xef\xbb\xbf")
-    lines = [line.strip() for line in head.splitlines() if line.strip()]
+    lines = _head_lines(path)
     for candidate in FORMATS.values():
         if candidate.recognises(lines):
             return candidate
-    read_lines(path)  # says so if the file is not even text
     shown = next((line for line in lines if not line.startswith("#")), "no data")[:60]
     raise InputError(
         f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "
         "convert it to the native CSV, or name the format",
         path=path,
     )
+
+
+def _head_lines(path: Path) -> list[str]:
+    """First non-blank lines of a text file; of a Parquet file only the mark it begins with."""
+    try:
+        with path.open("rb") as file:
+            if file.read(4) == b"PAR1":
+                return ["PAR1"]
+    except (OSError, ValueError):
+        pass  # reading the text says what is wrong
+    stripped = (line.strip() for line in read_lines(path))
+    return list(islice(filter(None, stripped), HEAD_LINES))
 
 
 def _named(name: str) -> TraceFormat:
