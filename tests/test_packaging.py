@@ -40,7 +40,7 @@ def package_files() -> set[str]:
 
 @pytest.fixture(scope="module")
 def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with the sdist of a clean copy of the checkout, and the wheel built from it."""
+    """Build the sdist from a clean copy of the checkout, and the wheel from the sdist."""
     clone = tmp_path_factory.mktemp("clone with a space")
     for name in tracked_files():
         target = clone / name
