@@ -38,6 +38,12 @@ class LevelTable:
         Whether the rows of a type are knots of a continuous model.
     resolution : (L,) float64
         Derived: primitives of the level over primitives of the finest level, in (0, 1].
+    level_count : (K,) int32
+        Derived: levels of each type.
+    min_resolution : (K,) float64
+        Derived: resolution of each type's coarsest level.
+    type_of_level : (L,) int32
+        Derived: the type that owns each row.
     """
 
     start: IntArray
@@ -46,6 +52,8 @@ class LevelTable:
     bytes: FloatArray
     continuous: BoolArray
     resolution: FloatArray = field(init=False)
+    level_count: IntArray = field(init=False)
+    min_resolution: FloatArray = field(init=False)
     type_of_level: IntArray = field(init=False)
     _key: FloatArray = field(init=False, repr=False)
 
@@ -71,6 +79,9 @@ class LevelTable:
         full = primitives[self.start[:-1]][owner]
         share = np.divide(primitives, full, out=np.ones(levels), where=full > 0)
         put(self, "resolution", frozen_array(share, np.float64, (levels,), "resolution"))
+        put(self, "level_count", frozen_array(steps, np.int32, (types,), "level_count"))
+        coarsest = share[self.start[1:] - 1]
+        put(self, "min_resolution", frozen_array(coarsest, np.float64, (types,), "coarsest"))
         # Ascending over the whole table: types two apart, coarseness within a type.
         key = 2.0 * owner + (1.0 - share)
         put(self, "_key", frozen_array(key, np.float64, (levels,), "key"))
@@ -86,16 +97,6 @@ class LevelTable:
                 f"error not falling), got {primitives[row]:g} primitives and error "
                 f"{self.error_m[row]:g} m at level {row - int(self.start[owner[row]])}"
             )
-
-    @property
-    def level_count(self) -> IntArray:
-        """Levels of each type, (K,) int32."""
-        return np.diff(self.start).astype(np.int32)
-
-    @property
-    def min_resolution(self) -> FloatArray:
-        """Resolution of each type's coarsest level, (K,)."""
-        return self.resolution[self.start[1:] - 1]
 
     def position(self, type_index: IntArray, detail: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return row and fraction of each (type, detail): a value is a lerp of rows i and i + 1.

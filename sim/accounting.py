@@ -88,8 +88,7 @@ class Accounting:
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of drawing every candidate at full detail: the load."""
-        row = self._finest[view.type_index]
-        return self._gpu_ms(row, None, view.area_px)[2]
+        return self._gpu_ms(self._finest[view.type_index], None, view.area_px)[2]
 
     def _gpu_ms(
         self, row: IntArray, fraction: FloatArray | None, area_px: FloatArray

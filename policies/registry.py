@@ -1,0 +1,186 @@
+"""Registered policies, and policies named on a command line.
+
+A policy is named ``name`` or ``name:key=value,key=value``.  A name is a registered one, or
+``path/to/file.py:Class`` or ``package.module:Class`` for a user's own.  Registered classes are
+imported when they are made, not before.
+"""
+
+import dataclasses
+import difflib
+import importlib
+import importlib.util
+import inspect
+import sys
+import types
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from ..errors import InputError
+from .protocol import Policy
+
+__all__ = ["REGISTERED", "Parameter", "PolicySpec", "parameters", "parse_policy"]
+
+REGISTERED = {
+    "full": "full:Full",
+    "static-distance": "static_distance:StaticDistance",
+    "static-screen": "static_screen:StaticScreen",
+    "feedback": "feedback:Feedback",
+}
+"""Class of each registered policy, as ``module:Class`` in this package."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of a policy: its name, type and default."""
+
+    name: str
+    kind: Any
+    default: object
+
+
+@dataclass(frozen=True, slots=True)
+class PolicySpec:
+    """A policy class and the parameters that a user gave.
+
+    Attributes
+    ----------
+    text : what the user wrote
+    name : the part before the parameters
+    cls : the class
+    params : given parameters, converted
+    """
+
+    text: str
+    name: str
+    cls: type[Any]
+    params: dict[str, object]
+
+    def make(self) -> Policy:
+        """Return a new policy.
+
+        Raises
+        ------
+        InputError
+            If the class refuses the parameters.
+        """
+        try:
+            return self.cls(**self.params)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"policy {self.text}: {error}") from error
+
+
+def parameters(cls: type[Any]) -> list[Parameter]:
+    """Return the keyword parameters of a policy class, in order."""
+    hints = typing.get_type_hints(cls if dataclasses.is_dataclass(cls) else cls.__init__)
+    return [
+        Parameter(name, hints.get(name, str), parameter.default)
+        for name, parameter in inspect.signature(cls).parameters.items()
+    ]
+
+
+def parse_policy(text: str) -> PolicySpec:
+    """Return the policy that a command line names.
+
+    Raises
+    ------
+    InputError
+        If the name or a key is unknown (the nearest is suggested), a value does not convert, or a
+        user's file or class cannot be loaded.
+    """
+    name, given = _split(text)
+    cls = _find(name)
+    known = {parameter.name: parameter for parameter in parameters(cls)}
+    params: dict[str, object] = {}
+    for item in filter(None, given.split(",")):
+        key, equals, value = item.partition("=")
+        key = key.strip().replace("-", "_")
+        if not equals:
+            raise InputError(f"policy {text}: expected key=value, got {item}")
+        if key not in known:
+            raise InputError(f"policy {name}: {unknown('parameter', key, known)}")
+        params[key] = _convert(value.strip(), known[key], text)
+    return PolicySpec(text, name, cls, params)
+
+
+def unknown(what: str, got: str, known: typing.Iterable[str]) -> str:
+    """Return the sentence for an unknown name: the nearest, then all that are known."""
+    names = sorted(known)
+    near = difflib.get_close_matches(got, names, 1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return f"unknown {what} {got}; {hint}known: {', '.join(names) or 'none'}"
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Split off the parameters; the name itself holds a colon in ``file.py:Class``."""
+    head, equals, _ = text.partition("=")
+    if not equals:
+        return text.strip(), ""
+    name, colon, _ = head.rpartition(":")
+    if not colon:
+        raise InputError(f"policy {text}: expected name:key=value, got no colon before the key")
+    return name.strip(), text[len(name) + 1 :]
+
+
+def _find(name: str) -> type[Any]:
+    if name in REGISTERED:
+        module, _, cls = REGISTERED[name].partition(":")
+        return getattr(importlib.import_module(f".{module}", __package__), cls)
+    where, colon, cls = name.rpartition(":")
+    if not colon:
+        raise InputError(
+            f"{unknown('policy', name, REGISTERED)}; or name your own as file.py:Class"
+        )
+    module = _load_file(Path(where)) if where.endswith(".py") else _import(where)
+    found = getattr(module, cls, None)
+    if not inspect.isclass(found):
+        classes = [
+            n for n, c in vars(module).items() if inspect.isclass(c) and hasattr(c, "select")
+        ]
+        raise InputError(f"policy {where}: {unknown('class', cls, classes)}")
+    if not (hasattr(found, "select") and hasattr(found, "reset")):
+        raise InputError(f"policy {name}: expected a class with reset and select")
+    return found
+
+
+def _load_file(path: Path) -> types.ModuleType:
+    if not path.is_file():
+        raise InputError("expected a Python file with a policy, got no file", path=path)
+    # Registered under a name of its own, so that instances pickle and the file stays importable.
+    name = f"lodbench_user_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None, "a .py file has a loader"
+    assert spec.loader is not None, "a .py file has a loader"
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        raise InputError(
+            f"expected a Python file that loads, got {type(error).__name__}: {error}",
+            path=path,
+            line=line,
+        ) from error
+    return module
+
+
+def _import(name: str) -> types.ModuleType:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise InputError(f"policy module {name}: {error}; is it installed?") from error
+
+
+def _convert(value: str, parameter: Parameter, text: str) -> object:
+    """Convert a value to the parameter's annotation: on and off are booleans, none is None."""
+    word = {"on": True, "off": False, "none": None}.get(value.lower(), value)
+    if bool not in (parameter.kind, *typing.get_args(parameter.kind)) and word is not None:
+        word = value
+    try:
+        return msgspec.convert(word, parameter.kind, strict=False)
+    except msgspec.ValidationError as error:
+        raise InputError(f"policy {text}: {parameter.name}: {error}, got {value}") from error
