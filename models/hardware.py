@@ -72,6 +72,8 @@ class Posterior:
 
     def __post_init__(self) -> None:
         d, put = len(self.base_ms), object.__setattr__
+        if d == 0:
+            raise InputError("posterior: expected at least one draw, got none")
         for name, shape in (
             ("base_ms", (d,)),
             ("linear_ms", (d, len(GPU_PREDICTORS))),
@@ -90,7 +92,7 @@ class Posterior:
 class Provenance:
     """Where a profile's numbers come from.
 
-    `assumed` is true where any number was not measured or published; the word is then shown
+    `assumed` is true where a cost was neither measured nor published; the word is then shown
     wherever the profile is.
     """
 
