@@ -28,6 +28,7 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
+    "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
 }
 

@@ -1,0 +1,201 @@
+"""`lodbench list`: what is known by name."""
+
+import inspect
+import json
+import re
+from collections.abc import Callable, Iterator
+from enum import StrEnum
+from typing import Annotated, Any
+
+import typer
+
+__all__ = ["Kind", "known", "list_known"]
+
+Item = dict[str, Any]
+
+_ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in full
+_UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
+
+
+class Kind(StrEnum):
+    """Things that have names."""
+
+    POLICIES = "policies"
+    SCENES = "scenes"
+    TRACES = "traces"
+    HARDWARE = "hardware"
+    METRICS = "metrics"
+
+
+def list_known(
+    kind: Annotated[Kind, typer.Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+) -> None:
+    """List policies, scenes, traces, hardware or metrics."""
+    items = known(kind)
+    if as_json:
+        print(json.dumps({"schema": "lodbench.list/1", "kind": kind, "items": items}))
+    elif kind in {Kind.POLICIES, Kind.HARDWARE}:
+        _print_sections(items)
+    else:
+        _print_table(items)
+
+
+def known(kind: Kind) -> list[Item]:
+    """Return a record of everything of a kind, all with the same keys."""
+    listed: dict[Kind, Callable[[], Iterator[Item]]] = {
+        Kind.POLICIES: _policies,
+        Kind.SCENES: _scenes,
+        Kind.TRACES: _traces,
+        Kind.HARDWARE: _hardware,
+        Kind.METRICS: _metrics,
+    }
+    return list(listed[kind]())
+
+
+def _policies() -> Iterator[Item]:
+    from dataclasses import asdict
+
+    from ..policies.registry import REGISTERED, parameters, parse_policy
+
+    for name in sorted(REGISTERED):
+        cls = parse_policy(name).cls
+        said = _headings(inspect.getdoc(cls) or "")
+        comments = _default_comments(inspect.getsource(cls))
+        capabilities: dict[str, bool] = asdict(cls.capabilities)
+        yield {
+            "name": name,
+            "idea": said["Idea"],
+            "uses": said["Uses"],
+            "parameters": [
+                {"name": p.name, "default": p.default, "comment": comments.get(p.name, "")}
+                for p in parameters(cls)
+            ],
+            "cost_per_frame": said["Cost per frame"],
+            "capabilities": [key for key, has in capabilities.items() if has and key != "future"],
+            "oracle": capabilities["future"],
+            "reference": said["Reference"],
+        }
+
+
+def _headings(docstring: str) -> dict[str, str]:
+    """Split a policy's docstring at ``Idea:``, ``Uses:`` and so on; a part may have paragraphs."""
+    heading = re.compile(r"^(Idea|Uses|Parameters|Cost per frame|Reference):", re.MULTILINE)
+    parts = heading.split(docstring)
+    texts = (" ".join(part.replace("``", "`").split()) for part in parts[2::2])
+    return dict(zip(parts[1::2], texts, strict=True))
+
+
+def _default_comments(source: str) -> dict[str, str]:
+    """Return the comment behind each default of a dataclass."""
+    return dict(re.findall(r"^    (\w+): .+ = .+?  # (.+)$", source, flags=re.MULTILINE))
+
+
+def _scenes() -> Iterator[Item]:
+    from ..models.scene_catalog import list_bundled_scenes, load_scene
+
+    for name in list_bundled_scenes():
+        scene = load_scene(name)
+        yield {"name": name, "objects": len(scene), "types": list(scene.types.names)}
+
+
+def _traces() -> Iterator[Item]:
+    from ..traces.generate import KINDS
+
+    for name, kind in KINDS.items():
+        yield {
+            "name": name,
+            "speed_m_s": kind.limits.speed_m_s,
+            "turn_deg_s": kind.limits.turn_deg_s,
+            "height_m": kind.height_m,
+        }
+
+
+def _hardware() -> Iterator[Item]:
+    from ..models.profile_catalog import list_hardware, load_hardware
+
+    for name in list_hardware():
+        profile = load_hardware(name)
+        display = profile.display
+        yield {
+            "name": name,
+            "assumed": profile.provenance.assumed,
+            "display": f"{display.mode} {display.width_px}x{display.height_px}",
+            "frames_in_flight": profile.frames_in_flight,
+            "renderer": profile.provenance.renderer,
+            "date": profile.provenance.date,
+            "source": profile.provenance.source,
+        }
+
+
+def _metrics() -> Iterator[Item]:
+    from ..analysis.metrics.registry import METRICS
+
+    for metric in METRICS:
+        yield {
+            "id": metric.id,
+            "group": metric.group,
+            "unit": metric.unit,
+            "better": metric.better,
+            "definition": metric.definition,
+            "source": metric.source,
+        }
+
+
+def _print_sections(items: list[Item]) -> None:
+    """Print things that are described by sentences, one below the other."""
+    from rich.console import Console
+    from rich.padding import Padding
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    for item in items:
+        table = Table(box=None, show_header=False, padding=(0, 1))
+        title, *rows = _rows(item)
+        for label, text in rows:
+            table.add_row(Text(label), Text(text))
+        console.print(Text(title[1], "bold"))
+        console.print(Padding(table, (0, 0, 1, 1)))
+
+
+def _rows(item: Item) -> Iterator[tuple[str, str]]:
+    for key, value in item.items():
+        if key == "parameters":
+            yield from ((f"{p['name']}={p['default']}", p["comment"]) for p in value)
+        elif text := _show(value):
+            yield _label(key), text
+
+
+def _print_table(items: list[Item]) -> None:
+    """Print things that are described by a few words and numbers, one a line."""
+    from rich.console import Console
+    from rich.table import Column, Table
+    from rich.text import Text
+
+    first, *others = (key for key in items[0] if key not in _ONLY_IN_JSON)
+    table = Table(Column(first, no_wrap=True), *map(_label, others))
+    for item in items:
+        table.add_row(*(Text(_show(item[key])) for key in (first, *others)))
+    Console(highlight=False).print(table)
+
+
+def _label(key: str) -> str:
+    """Write ``speed_m_s`` as ``speed, m/s`` and ``cost_per_frame`` as ``cost per frame``."""
+    for suffix, unit in _UNITS.items():
+        if key.endswith(f"_{suffix}"):
+            return f"{key.removesuffix(f'_{suffix}')}, {unit}"
+    return key.replace("_", " ")
+
+
+def _show(value: float | str | list[str]) -> str:
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value:g}"
+        case list():
+            return ", ".join(value)
+        case _:
+            return str(value)
