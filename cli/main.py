@@ -29,6 +29,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
+    "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
 }
 

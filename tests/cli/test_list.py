@@ -1,0 +1,84 @@
+"""`lodbench list`: names that can be used, with what a user has to know about each."""
+
+import json
+from typing import Any
+
+import pytest
+
+from lodbench.cli.list import Kind, known
+from lodbench.cli.main import run
+from lodbench.models.profile_catalog import load_hardware
+from lodbench.models.scene_catalog import load_scene
+from lodbench.policies.registry import REGISTERED, parse_policy
+from lodbench.traces.generate import generate
+
+
+def listed(kind: str, capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    """Return the items of the JSON document that the command prints."""
+    assert run(["list", kind, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "lodbench.list/1"
+    assert document["kind"] == kind
+    return document["items"]
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_json_and_table_show_the_same_names(
+    kind: Kind, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every item of the JSON document stands in the table, and has the same keys as the others."""
+    items = listed(kind, capsys)
+    assert len({tuple(item) for item in items}) == 1
+    monkeypatch.setenv("COLUMNS", "200")
+    assert run(["list", kind]) == 0
+    table = capsys.readouterr().out
+    assert all(str(next(iter(item.values()))) in table for item in items)
+
+
+def test_listed_names_can_be_used(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is listed is accepted where a name is asked for."""
+    for item in listed("hardware", capsys):
+        assert load_hardware(item["name"]).provenance.assumed == item["assumed"]
+    for item in listed("scenes", capsys):
+        assert len(load_scene(item["name"])) == item["objects"]
+    for item in listed("traces", capsys):
+        assert generate(item["name"], duration_s=1.0).duration_s == pytest.approx(1.0)
+    assert {item["name"] for item in listed("policies", capsys)} == set(REGISTERED)
+
+
+def test_policies_show_parameters_with_defaults(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each parameter has the default of the class, is accepted, and is explained by a comment."""
+    for item in listed("policies", capsys):
+        made = parse_policy(item["name"]).make()
+        for parameter in item["parameters"]:
+            assert getattr(made, parameter["name"]) == parameter["default"]
+            assert parameter["comment"]
+
+
+def test_policies_say_where_they_come_from(capsys: pytest.CaptureFixture[str]) -> None:
+    """Idea, needs, cost and reference of every policy are filled in."""
+    for item in listed("policies", capsys):
+        assert all(item[key] for key in ("idea", "uses", "cost_per_frame", "reference"))
+        assert item["capabilities"]
+
+
+def test_feedback_as_listed() -> None:
+    """One policy by hand: its gain, and that it sees no future."""
+    (feedback,) = (item for item in known(Kind.POLICIES) if item["name"] == "feedback")
+    gain = {"name": "gain", "default": 0.5, "comment": "Unreal's square root"}
+    assert gain in feedback["parameters"]
+    assert feedback["oracle"] is False
+    assert feedback["capabilities"] == ["levels"]
+
+
+def test_metric_ids_are_distinct_and_have_units(capsys: pytest.CaptureFixture[str]) -> None:
+    """An id names one metric; each says its unit and which direction is better."""
+    items = listed("metrics", capsys)
+    assert len({item["id"] for item in items}) == len(items)
+    assert all(item["unit"] and item["better"] in {"lower", "higher"} for item in items)
+
+
+def test_unknown_kind_names_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    """A kind that is not there is refused with those that are."""
+    assert run(["list", "polices"]) == 2
+    assert "policies" in capsys.readouterr().err
