@@ -6,6 +6,7 @@ import numpy as np
 
 from ..models.arrays import FloatArray, IntArray
 from ..models.scene import Scene
+from ..models.tree import Tree
 
 __all__ = ["Selection", "Work", "find_violation"]
 
@@ -33,7 +34,8 @@ class Selection:
     Attributes
     ----------
     ids : (m,) int32
-        Distinct nodes, all of them candidates of the view or, in a tree, below one.
+        Distinct nodes: candidates of a flat scene's view; in a tree nodes of which none stands
+        below another that replaces it (those outside the frustum are culled, not drawn).
     detail : (m,) float64
         Level index (0 = finest) of discrete nodes, resolution in (0, 1] of continuous ones, 0 of
         hierarchy nodes with a single level.
@@ -52,7 +54,9 @@ class Selection:
     predicted_ms: float = float("nan")
 
 
-def find_violation(selection: object, candidates: IntArray, scene: Scene) -> str | None:
+def find_violation(
+    selection: object, candidates: IntArray, scene: Scene, tree: Tree | None = None
+) -> str | None:
     """Return why a selection breaks its contract, or None; nothing is ever repaired.
 
     The common case, one detail for every candidate in the view's own order, costs two reductions.
@@ -70,7 +74,10 @@ def find_violation(selection: object, candidates: IntArray, scene: Scene) -> str
         return f"detail: expected {len(ids)} values as in ids, got {len(detail)}"
     if len(ids) == 0:
         return None
-    return _wrong_ids(ids, candidates, scene) or _wrong_detail(ids, detail, scene)
+    wrong = _wrong_ids(ids, candidates, scene) or _wrong_detail(ids, detail, scene)
+    if wrong is None and tree is not None and (twice := tree.drawn_twice(ids)) >= 0:
+        return f"ids: expected a front, got node {twice} below another that replaces it"
+    return wrong
 
 
 def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:

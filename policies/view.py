@@ -83,6 +83,8 @@ class FrameState:
     last_detail : (N,) float64
         Detail at which each node was last drawn; NaN if never.
     completed : Completed
+    inside : (N,) bool
+        Nodes whose bounding sphere meets the frustum; valid during this frame.
     previous : Selection or None
         The policy's own last selection.
     previous_camera : Camera or None
@@ -98,6 +100,7 @@ class FrameState:
     time_ns: int
     last_detail: FloatArray
     completed: Completed
+    inside: BoolArray
     previous: Selection | None = None
     previous_camera: Camera | None = None
     step_s: float = 0.0
@@ -210,6 +213,11 @@ class View:
     def previous_detail(self) -> FloatArray:
         """Detail at which each node was last drawn, NaN if never, (m,)."""
         return self.state.last_detail[self.ids]
+
+    @cached_property
+    def inside(self) -> BoolArray:
+        """Whether each bounding sphere meets the frustum, (m,); nodes outside are never drawn."""
+        return self.state.inside[self.ids]
 
     @cached_property
     def resident(self) -> BoolArray:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..models.arrays import FloatArray, IntArray
-from ..models.benefit import level_accuracy, level_primitives
 from ..models.camera import Camera
 from ..models.cost import CostModel
 from ..models.predictors import (
@@ -17,9 +16,9 @@ from ..models.predictors import (
 from ..models.scene import Scene
 from ..policies.selection import Selection
 from ..policies.view import View
-from .switches import Drawn, SwitchCounts, Switches
+from .switches import Drawn, Switches
 
-__all__ = ["Accounting", "Quality", "Tally"]
+__all__ = ["Accounting", "Tally"]
 
 _P = len(LEVEL_PREDICTORS)
 
@@ -35,18 +34,6 @@ class Tally:
     fading: int
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
-    """Error, benefit and degradation of one frame."""
-
-    sse_px_p95: float
-    sse_px_max: float
-    benefit: float
-    full_benefit: float
-    degradation: float
-    full_degradation: float
-
-
 class Accounting:
     """Tables of one scene under one cost model, and the level history of its nodes."""
 
@@ -56,15 +43,6 @@ class Accounting:
         self._any_continuous = bool(levels.continuous.any())
         self._finest = levels.start[:-1]
         self._linear_ms, self._geometry_ms = costs.level_ms(levels)
-        self._accuracy = level_accuracy(levels)
-        primitives = level_primitives(levels)
-        full = primitives[self._finest]
-        # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
-        # the primitives drawn, so one reciprocal a level serves both.
-        self._per_primitive = 1.0 / np.maximum(primitives, 1.0)
-        self._full_accuracy = self._accuracy[self._finest]
-        self._full_per_primitive = 1.0 / np.maximum(full, 1.0)
-        self._unit_importance = bool((scene.importance == 1.0).all())
         self._few_rows = len(levels.error_m) <= 4096
         self.viewport_px = float(camera.viewport_px)
         self.switches = Switches(len(scene), crossfade_ns, self.viewport_px)
@@ -87,7 +65,7 @@ class Accounting:
         return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m)
 
     def full_gpu_ms(self, view: View) -> float:
-        """Return the noise-free GPU time of drawing every candidate at full detail: the load."""
+        """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
         return self._gpu_ms(self._finest[view.type_index], None, view.area_px)[2]
 
     def _gpu_ms(
@@ -131,39 +109,3 @@ class Accounting:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
         counts, changes, ms = self._gpu_ms(row, fraction, area_px)
         return Tally(counts, float(area_px.sum()), changes, ms, len(at))
-
-    def record_switches(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
-        """Enter the frame into the level history and return its switches."""
-        return self.switches.record(frame, time_ns, drawn)
-
-    def quality(self, drawn: Drawn, view: View) -> Quality:
-        """Return error, benefit and degradation of the frame, and the last two at full detail."""
-        weight = self._weight(view.ids, view.area_px)
-        full_benefit = float(weight @ self._full_accuracy[view.type_index])
-        full_degradation = float(weight @ self._full_per_primitive[view.type_index])
-        if not len(drawn.ids):
-            return Quality(0.0, 0.0, 0.0, full_benefit, 0.0, full_degradation)
-        if drawn.ids is not view.ids:
-            weight = self._weight(drawn.ids, drawn.area_px)
-        accuracy, reciprocal = self._accuracy, self._per_primitive
-        if drawn.fraction is None:
-            benefit = float(weight @ accuracy[drawn.row])
-            degradation = float(weight @ reciprocal[drawn.row])
-        else:
-            lerp = self._levels.interpolate
-            benefit = float(weight @ lerp(accuracy, drawn.row, drawn.fraction))
-            degradation = float(weight @ lerp(reciprocal, drawn.row, drawn.fraction))
-        sse_px = drawn.error_m * drawn.px_per_m
-        rank = int(0.95 * (len(sse_px) - 1))
-        sse_px.partition(rank)
-        return Quality(
-            float(sse_px[rank]),
-            float(sse_px[rank:].max()),
-            benefit,
-            full_benefit,
-            degradation,
-            full_degradation,
-        )
-
-    def _weight(self, ids: IntArray, area_px: FloatArray) -> FloatArray:
-        return area_px if self._unit_importance else area_px * self._scene.importance[ids]

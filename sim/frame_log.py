@@ -29,9 +29,9 @@ COUNTS = (
     *LEVEL_PREDICTORS,  # of everything drawn, cross-fades included
     "shaded_samples",
     "state_changes",
-    "visible",  # candidates in the frustum
+    "visible",  # objects, or leaves of a tree, in the frustum
     "drawn",  # nodes drawn
-    "missing",  # candidates of which nothing was drawn
+    "missing",  # of those visible, how many have nothing drawn for them
     "fading",  # nodes drawn twice because a switch cross-fades
     "full_gpu_ms",  # noise-free GPU time had every candidate been drawn at full detail
     "model_gpu_ms",  # noise-free GPU time of what was drawn
@@ -52,6 +52,7 @@ COUNTS = (
     "sse_px_max",
     "benefit",
     "full_benefit",
+    "benefit_bound",  # most benefit that any selection of this cost can have; NaN if not computed
     "degradation",
     "full_degradation",
     "memory_bytes",

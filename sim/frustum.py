@@ -13,12 +13,14 @@ __all__ = ["Culler"]
 class Culler:
     """Culls the spheres of N nodes against one camera after another.
 
+    `inside`, (N,) bool, holds the last answer as a mask; the next cull overwrites it.
+
     A sphere is a candidate unless it lies wholly outside one of the four side planes or the near
     plane; there is no far plane.  This keeps some spheres that only meet the planes' extensions,
     as engines' sphere tests do, and never drops one that is in view.
     """
 
-    __slots__ = ("_keep", "_margin", "_mask", "_radius_m", "_side", "_xyz_m")
+    __slots__ = ("_margin", "_mask", "_radius_m", "_side", "_xyz_m", "inside")
 
     def __init__(self, radius_m: FloatArray) -> None:
         n = len(radius_m)
@@ -26,7 +28,7 @@ class Culler:
         self._xyz_m = np.empty((3, n))
         self._side = np.empty(n)
         self._margin = np.empty(n)
-        self._keep = np.empty(n, dtype=np.bool_)
+        self.inside = np.empty(n, dtype=np.bool_)
         self._mask = np.empty(n, dtype=np.bool_)
 
     def cull(self, centers_m: FloatArray, camera: Camera) -> tuple[IntArray, FloatArray]:
@@ -34,7 +36,7 @@ class Culler:
 
         `centers_m` is (3, N): scene coordinates of the spheres' centres.
         """
-        xyz, keep, mask = self._xyz_m, self._keep, self._mask
+        xyz, keep, mask = self._xyz_m, self.inside, self._mask
         axes = camera.axes
         eye = axes @ camera.position_m
         np.matmul(axes, centers_m, out=xyz)

@@ -2,16 +2,17 @@
 
 import math
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..errors import InputError, PolicyError
-from ..models.arrays import FloatArray
+from ..models.arrays import BoolArray, FloatArray
 from ..models.camera import Camera
 from ..models.hardware import HardwareProfile
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
+from ..models.tree import Tree
 from ..policies.protocol import Policy
 from ..policies.selection import Selection, find_violation
 from ..policies.view import FrameState, View
@@ -20,9 +21,11 @@ from .accounting import Accounting, Tally
 from .extraction import Extraction, IndexSets
 from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
+from .fronts import Fronts
 from .frustum import Culler
 from .measure import FrameNoise, FrameTimer
 from .pipeline import Pipeline
+from .quality import FlatQuality, TreeQuality, screen_errors
 
 __all__ = ["ReplayOptions", "replay"]
 
@@ -128,6 +131,12 @@ class _Source:
         truth, scatter = hardware.truth(options.draw)
         crossfade_ns = round(options.crossfade_ms * _NS_PER_MS)
         self._accounting = Accounting(scene, truth, crossfade_ns, self._camera(0.0))
+        self._tree = None if scene.flat else Tree(scene)
+        if self._tree is None:
+            self._fronts, self._quality = None, FlatQuality(scene)
+        else:
+            self._fronts = Fronts(self._tree, self._accounting.viewport_px)
+            self._quality = TreeQuality(self._tree)
         self._index_sets = IndexSets(scene)
         self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
         self._memory_bytes = float(scene.types.levels.bytes.sum())
@@ -164,11 +173,15 @@ class _Source:
             time_ns,
             self._accounting.switches.detail,
             self._timer.completed(),
+            self._culler.inside,
             self._previous,
             self._previous_camera,
             time_s - self._previous_s,
         )
         view = View(state, ids, xyz_m)
+        if self._tree is not None:
+            roots = self._scene.roots
+            view = view.at(roots[self._culler.inside[roots]])
         selection = self._select(view)
         self._previous, self._previous_camera = selection, camera
         self._previous_s = time_s
@@ -201,17 +214,23 @@ class _Source:
             selection = self._policy.select(view)
         except Exception as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
-        violation = find_violation(selection, view.ids, self._scene)
+        violation = find_violation(selection, view.ids, self._scene, self._tree)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection
 
     def _record(self, view: View, selection: Selection) -> tuple[int, int]:
         accounting = self._accounting
+        if self._tree is not None:
+            selection = _culled(selection, self._culler.inside)
         drawn = accounting.drawn(selection, view)
         switches = accounting.switches.record(view.frame, view.time_ns, drawn)
+        if self._fronts is not None:
+            switches += self._fronts.record(view.time_ns, drawn.ids, view)
         tally = accounting.tally(view.time_ns, drawn)
-        quality = accounting.quality(drawn, view)
+        units = self._quality.units(view)
+        quality = self._quality.score(drawn, units)
+        sse_px_p95, sse_px_max = screen_errors(drawn)
         try:
             extraction = self._index_sets.record(selection, drawn)
         except ValueError as error:
@@ -225,11 +244,11 @@ class _Source:
             (
                 tally.shaded_samples,
                 tally.state_changes,
-                len(view.ids),
+                len(units.ids),
                 len(drawn.ids),
-                len(view.ids) - len(drawn.ids),
+                quality.missing,
                 tally.fading,
-                accounting.full_gpu_ms(view),
+                accounting.full_gpu_ms(units),
                 tally.gpu_ms,
                 selection.predicted_ms,
                 cpu_ms,
@@ -244,10 +263,11 @@ class _Source:
                 switches.toggles,
                 switches.reversals,
                 switches.popping_px,
-                quality.sse_px_p95,
-                quality.sse_px_max,
+                sse_px_p95,
+                sse_px_max,
                 quality.benefit,
                 quality.full_benefit,
+                math.nan,
                 quality.degradation,
                 quality.full_degradation,
                 self._memory_bytes,
@@ -293,6 +313,13 @@ class _Source:
         times_ns = np.maximum(np.stack(columns, axis=1), -1)
         counts = np.frombuffer(self._counts, dtype=np.float64).reshape(-1, len(COUNTS))
         return FrameLog(header, times_ns, counts.copy())
+
+
+def _culled(selection: Selection, inside: BoolArray) -> Selection:
+    """Return what is left of a front when its nodes outside the frustum are culled."""
+    keep = inside[selection.ids]
+    holder = None if selection.holder is None else selection.holder[keep]
+    return replace(selection, ids=selection.ids[keep], detail=selection.detail[keep], holder=holder)
 
 
 def _describe(error: Exception) -> str:

@@ -56,6 +56,13 @@ class SwitchCounts:
     reversals: int = 0
     popping_px: float = 0.0
 
+    def __add__(self, other: "SwitchCounts") -> "SwitchCounts":
+        return SwitchCounts(
+            self.toggles + other.toggles,
+            self.reversals + other.reversals,
+            self.popping_px + other.popping_px,
+        )
+
 
 class Switches:
     """Level history of N nodes.
