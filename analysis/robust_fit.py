@@ -68,13 +68,8 @@ def robust_nnls(predictors: FloatArray, time_ms: FloatArray, *, dof: float = 4.0
     """
     from scipy.optimize import nnls
 
-    rows, width = predictors.shape
-    if rows <= width + 1:
-        raise InputError(f"fit: expected more than {width + 1} frames, got {rows}; log for longer")
-    if not (np.isfinite(predictors).all() and (predictors >= 0.0).all()):
-        raise InputError("fit: expected finite predictors >= 0")
-    if not (np.isfinite(time_ms).all() and (time_ms > 0.0).all()):
-        raise InputError("fit: expected finite times > 0")
+    _require_usable(predictors, time_ms)
+    rows, width = len(time_ms), len(predictors[0])
     design = np.column_stack([np.ones(rows), predictors])
     unit = design.max(axis=0)  # so that the solver's tolerance means the same for every column
     unit[unit == 0.0] = 1.0
@@ -94,8 +89,18 @@ def robust_nnls(predictors: FloatArray, time_ms: FloatArray, *, dof: float = 4.0
         weight = (dof + 1.0) / (dof + (residual / scale) ** 2)
         if np.abs(solution - before).max() <= _TOLERANCE * np.abs(solution).max():
             break
-    solution /= unit
-    return RobustFit(float(solution[0]), solution[1:], scale, dof)
+    per_unit: FloatArray = solution / unit
+    return RobustFit(float(per_unit[0]), per_unit[1:], scale, dof)
+
+
+def _require_usable(predictors: FloatArray, time_ms: FloatArray) -> None:
+    rows, width = predictors.shape
+    if rows <= width + 1:
+        raise InputError(f"fit: expected more than {width + 1} frames, got {rows}; log for longer")
+    if not (np.isfinite(predictors).all() and (predictors >= 0.0).all()):
+        raise InputError("fit: expected finite predictors >= 0")
+    if not (np.isfinite(time_ms).all() and (time_ms > 0.0).all()):
+        raise InputError("fit: expected finite times > 0")
 
 
 def _scale(residual: FloatArray, weight: FloatArray) -> float:

@@ -16,10 +16,9 @@ import numpy as np
 
 from ..errors import InputError
 from .renderlog import FloatArray
+from .text_file import read_text
 
 __all__ = ["LogTable", "log_lines", "read_log_bytes", "split_table"]
-
-MAX_BYTES = 1 << 30
 
 # What tools write where they measured nothing; a 0 is a number here and judged later.
 MISSING = ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "-")
@@ -106,51 +105,12 @@ class LogTable:
 def read_log_bytes(path: Path) -> bytes:
     r"""Return a text file as UTF-8 without byte order mark, with lines ending in ``\n``.
 
-    UTF-16 with its mark, as PowerShell writes, is recoded.
-
     Raises
     ------
     InputError
-        If the file cannot be read, is empty, binary, not UTF-8, or larger than 1 GiB.
+        As `read_text`.
     """
-    try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the file name
-        reason = getattr(error, "strerror", None) or error
-        message = f"expected a file that can be read, got {reason}; check the path"
-        raise InputError(message, path=path) from error
-    if size > MAX_BYTES:
-        message = f"expected at most {MAX_BYTES} bytes, got {size}; cut the log into parts"
-        raise InputError(message, path=path)
-    if not data.strip():
-        raise InputError("expected a render log, got an empty file", path=path)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        try:
-            data = data.decode("utf-16").encode("utf-8")
-        except UnicodeError as error:
-            message = f"expected UTF-16 as its first bytes say, got {error}; save it as UTF-8"
-            raise InputError(message, path=path) from error
-    data = data.removeprefix(b"\xef\xbb\xbf")
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    _require_text(data, path)
-    return data
-
-
-def _require_text(data: bytes, path: Path) -> None:
-    zero = data.find(b"\0")
-    if zero >= 0:
-        line = data.count(b"\n", 0, zero) + 1
-        message = "expected text, got a zero byte; is it a binary or UTF-16 file without its mark?"
-        raise InputError(message, path=path, line=line)
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        byte = f"0x{data[error.start]:02x}"
-        message = f"expected UTF-8 text, got byte {byte}; save the file as UTF-8"
-        raise InputError(message, path=path, line=line) from error
+    return read_text(path).replace("\r\n", "\n").replace("\r", "\n").encode("utf-8")
 
 
 def log_lines(data: bytes, count: int) -> list[str]:
