@@ -1,15 +1,15 @@
 """A simulated run as Chrome trace events: what CPU, GPU and display did, on one time line.
 
 Three threads of one process.  On "CPU" a slice from the input sample of each frame to its
-submission, in it the policy's selection (at the beginning; the log knows its length only), and after
-it the wait for a free frame in flight.  On "GPU" the work of each frame.  On "Display" how long each
-frame was on the screen, the last for one refresh, and an instant for each frame that was dropped.
-Arrows lead from a frame's input over its GPU work to its display.
+submission, in it the policy's selection (put at the beginning: the log knows its length only), and
+after it the wait for a free frame in flight.  On "GPU" the work of each frame.  On "Display" how
+long each frame was on the screen, the last for one refresh, and an instant for each frame that was
+dropped.  Arrows lead from a frame's input over its GPU work to its display.
 """
 
 from collections.abc import Iterator
 
-from ..traces.chrometrace import TraceEvent
+from ..traces.chrometrace import Phase, TraceEvent
 from .frame_log import FrameLog
 
 __all__ = ["trace_events"]
@@ -89,7 +89,7 @@ def _slice(name: str, tid: int, start_ns: int, end_ns: float, frame: int) -> Tra
     )
 
 
-def _flow(phase: str, tid: int, time_ns: int, frame: int) -> TraceEvent:
+def _flow(phase: Phase, tid: int, time_ns: int, frame: int) -> TraceEvent:
     ends = "e" if phase == "f" else None
     return TraceEvent(
         ph=phase, name="frame", cat="lag", ts=_us(time_ns), pid=_PID, tid=tid, id=frame, bp=ends

@@ -17,7 +17,7 @@ from ..errors import InputError
 from .json_file import read_json
 from .whole_file import whole_text_file
 
-__all__ = ["TraceEvent", "read_chrome_trace", "write_chrome_trace"]
+__all__ = ["Phase", "TraceEvent", "read_chrome_trace", "write_chrome_trace"]
 
 _ADVICE = "give a file of Chrome trace events"
 
