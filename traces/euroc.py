@@ -68,8 +68,9 @@ def _nanoseconds(field: str, path: Path, line: int) -> int:
 def _camera_from_body(orientation_xyzw: FloatArray) -> FloatArray:
     # Camera right, up and back are the body's y, x and -z: half a turn about the bisector of
     # the body's x and y, the quaternion (1, 1, 0, 0) / sqrt(2) on the right.
-    x, y, z, w = np.moveaxis(orientation_xyzw, -1, 0)
-    return np.stack([w - z, w + z, x - y, -x - y], axis=-1) * np.sqrt(0.5)
+    x, y, z, w = np.moveaxis(orientation_xyzw, -1, 0) * np.sqrt(0.5)
+    with np.errstate(over="ignore"):  # what overflows is no unit quaternion and is refused later
+        return np.stack([w - z, w + z, x - y, -x - y], axis=-1)
 
 
 def _recognises(head: list[str]) -> bool:

@@ -14,7 +14,6 @@ turn about x, C = Rx(90 deg). So R = S R_u S C. On quaternions S R_u S is
 ``(-x, -z, -y, w)``, because a mirror also turns the sense of rotation.
 """
 
-import csv
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from ..errors import InputError
 from .camera import CameraTrace, FloatArray
 from .format import TraceFormat
 from .samples import trace_from_samples
-from .textlines import parse_numbers, read_lines
+from .textlines import data_lines, parse_numbers
 
 __all__ = ["FORMAT", "read_headset"]
 
@@ -63,35 +62,31 @@ def read_headset(path: Path, selector: str | None = None) -> CameraTrace:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, str, list[float]]]:
-    reader = csv.reader(read_lines(path), strict=True)
-    try:
-        header = [name.strip() for name in next(reader)]
-        columns = [_column(header, name, path) for name in (*NUMBERS, *KEYS)]
-        for row in reader:
-            if not row:
-                continue
-            if len(row) != len(header):
-                raise InputError(
-                    f"expected {len(header)} columns as in the header, got {len(row)}; "
-                    "complete or remove the row",
-                    path=path,
-                    line=reader.line_num,
-                )
-            *numbers, participant, sequence = (row[column].strip() for column in columns)
-            values = parse_numbers(numbers, NUMBERS, path=path, line=reader.line_num)
-            yield reader.line_num, f"{participant}/{sequence}", values
-    except csv.Error as error:
-        raise InputError(
-            f"expected CSV, got {error}; correct or remove the row", path=path, line=reader.line_num
-        ) from error
+    """Line, participant/sequence, and numbers of each row."""
+    numbered = data_lines(path)
+    first, text = next(numbered, (1, ""))
+    header = [name.strip() for name in text.split(",")]
+    columns = [_column(header, name, path, first) for name in (*NUMBERS, *KEYS)]
+    for line, text in numbered:
+        fields = text.split(",")
+        if len(fields) != len(header):
+            raise InputError(
+                f"expected {len(header)} columns as in the header, got {len(fields)}; "
+                "complete or remove the row",
+                path=path,
+                line=line,
+            )
+        *numbers, participant, sequence = (fields[column].strip() for column in columns)
+        values = parse_numbers(numbers, NUMBERS, path=path, line=line)
+        yield line, f"{participant}/{sequence}", values
 
 
-def _column(header: list[str], name: str, path: Path) -> int:
+def _column(header: list[str], name: str, path: Path, line: int) -> int:
     if header.count(name) != 1:
         raise InputError(
             f"expected one column {name}, got {header.count(name)}; name the right format",
             path=path,
-            line=1,
+            line=line,
         )
     return header.index(name)
 

@@ -89,8 +89,10 @@ def _nearest_rotations(
     matrices: FloatArray, path: Path, lines: list[int]
 ) -> tuple[FloatArray, int]:
     """Nearest rotation (polar decomposition) of each matrix, and how many were off noticeably."""
-    error = np.abs(matrices @ np.swapaxes(matrices, 1, 2) - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    wrong = np.flatnonzero(~(error <= MAX_NORM_ERROR) | ~(np.linalg.det(matrices) > 0.0))
+    clipped = np.clip(matrices, -2.0, 2.0)  # what is larger is refused, and must not overflow
+    product = clipped @ np.swapaxes(clipped, 1, 2)
+    error = np.abs(product - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    wrong = np.flatnonzero((error > MAX_NORM_ERROR) | (np.linalg.det(clipped) <= 0.0))
     if wrong.size:
         raise InputError(
             "expected the first three columns to be a rotation, got a matrix whose rows are not "

@@ -1,9 +1,10 @@
 """From the samples of a file to a camera trace: what is mended, counted, or refused.
 
 ==============================  ===============================================================
-repeated timestamp              the later sample is dropped, counted
+repeated timestamp              within a nanosecond: the later sample is dropped, counted
 backward timestamp              refused
 median interval over 60 s       refused: the times are not in seconds
+time beyond 30,000 years        refused likewise
 coordinate beyond 10,000 km     refused: the positions are not in metres
 norm of quaternion off 1 by     up to 0.001: rounding of printed digits, divided by the norm;
                                 up to 0.1: the same, counted; more: refused
@@ -11,6 +12,7 @@ norm of quaternion off 1 by     up to 0.001: rounding of printed digits, divided
 """
 
 from collections.abc import Sequence
+from math import hypot
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +23,9 @@ from .camera import BoolArray, CameraTrace, FloatArray, Repair
 
 __all__ = ["trace_from_samples"]
 
+MIN_INTERVAL_S = 1e-9
 MAX_INTERVAL_S = 60.0
+MAX_TIME_S = 1e12
 MAX_COORDINATE_M = 1e7
 ROUNDING = 1e-3
 MAX_NORM_ERROR = 0.1
@@ -73,7 +77,7 @@ def trace_from_samples(
         Repair(renormalised, "quaternions renormalised"),
     )
     return CameraTrace(
-        name,
+        name.encode("utf-8", "replace").decode(),  # a file's name may be no Unicode text
         times[kept] - times[0],
         positions[kept],
         orientations[kept],
@@ -84,6 +88,14 @@ def trace_from_samples(
 
 
 def _kept_samples(times: FloatArray, path: Path, lines: Sequence[int]) -> NDArray[np.intp]:
+    late = np.flatnonzero(np.abs(times) > MAX_TIME_S)
+    if late.size:
+        raise InputError(
+            f"expected times in seconds, got {times[late[0]]:.9g}; "
+            "convert nanoseconds or milliseconds to seconds, or name the right format",
+            path=path,
+            line=lines[int(late[0])],
+        )
     steps = np.diff(times)
     backward = np.flatnonzero(steps < 0.0)
     if backward.size:
@@ -94,7 +106,7 @@ def _kept_samples(times: FloatArray, path: Path, lines: Sequence[int]) -> NDArra
             path=path,
             line=lines[at],
         )
-    return np.flatnonzero(np.append(True, steps > 0.0))
+    return np.flatnonzero(np.append(True, steps > MIN_INTERVAL_S))
 
 
 def _check_units(
@@ -118,12 +130,13 @@ def _check_units(
 
 
 def _unit(quaternions: FloatArray, path: Path, lines: Sequence[int]) -> tuple[FloatArray, int]:
-    norm: FloatArray = np.linalg.norm(quaternions, axis=1)
+    # What is clipped is refused, and must not overflow.
+    norm: FloatArray = np.linalg.norm(np.clip(quaternions, -2.0, 2.0), axis=1)
     error: FloatArray = np.abs(norm - 1.0)
     wrong = np.flatnonzero(error > MAX_NORM_ERROR)
     if wrong.size:
         raise InputError(
-            f"expected a unit quaternion, got one of norm {norm[wrong[0]]:.6g}; "
+            f"expected a unit quaternion, got one of norm {hypot(*quaternions[wrong[0]]):.6g}; "
             "check the order of the columns",
             path=path,
             line=lines[int(wrong[0])],
