@@ -1,0 +1,1 @@
+"""Metrics of a frame log: stability, lag, flicker, quality and work."""

@@ -1,0 +1,56 @@
+"""Quality: how much of full detail is shown."""
+
+import numpy as np
+
+from .metric import metric
+from .run import Run
+from .statistic import Statistic, mean, ratio
+
+__all__: list[str] = []
+
+
+@metric("quality", "px", "lower")
+def sse_px_p95(run: Run) -> Statistic:
+    """Mean over frames of the 95th percentile, over nodes drawn, of projected geometric error.
+
+    Source: screen-space error of CesiumJS, error · height / (distance · 2 tan(fovy / 2)).
+    """
+    return mean(np.where(run["drawn"] > 0.0, run["sse_px_p95"], np.nan))
+
+
+@metric("quality", "ratio", "higher")
+def benefit_ratio(run: Run) -> Statistic:
+    """Benefit of what was drawn over the benefit of full detail, sum over sum.
+
+    Source: Benefit of Funkhouser and Séquin, SIGGRAPH 1993.
+    """
+    return ratio(run["benefit"], run["full_benefit"])
+
+
+@metric("quality", "ratio", "lower")
+def degradation_mean(run: Run) -> Statistic:
+    """Degradation of what was drawn over that of full detail, sum over sum; 1 at full detail.
+
+    Source: Degradation of Gobbetti and Bouvier, Time-critical multiresolution rendering of large
+    complex models.
+    """
+    return ratio(run["degradation"], run["full_degradation"])
+
+
+@metric("quality", "nodes", "lower")
+def missing_objects_per_frame(run: Run) -> Statistic:
+    """Candidates in the frustum of which nothing was drawn.
+
+    Source: lodbench; holes that streaming leaves, as in CesiumJS issue 11952.
+    """
+    return mean(run["missing"])
+
+
+@metric("quality", "ratio", "higher")
+def optimality(run: Run) -> Statistic | None:
+    """Benefit over the bound of the relaxed problem at the same cost, where the log has the bound.
+
+    Source: linear relaxation of the multiple-choice knapsack of Funkhouser and Séquin.
+    """
+    bound = run.optional("optimality")
+    return None if bound is None else mean(bound)

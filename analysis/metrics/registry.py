@@ -1,0 +1,47 @@
+"""All metrics, in the order in which tables show them."""
+
+import difflib
+
+from ...errors import InputError
+from . import flicker, lag, quality, stability, work
+from .metric import Metric
+
+__all__ = ["METRICS", "find_metric", "metric_reference"]
+
+METRICS: tuple[Metric, ...] = tuple(
+    item
+    for module in (stability, lag, flicker, quality, work)
+    for item in vars(module).values()
+    if isinstance(item, Metric)
+)
+_BY_ID = {metric.id: metric for metric in METRICS}
+
+
+def find_metric(metric_id: str) -> Metric:
+    """Return the metric of an id.
+
+    Raises
+    ------
+    InputError
+        If there is none, with the nearest id.
+    """
+    if metric_id in _BY_ID:
+        return _BY_ID[metric_id]
+    near = difflib.get_close_matches(metric_id, _BY_ID, n=1)
+    hint = f"did you mean {near[0]}?" if near else "see `lodbench list metrics`"
+    raise InputError(f"metric: expected one of the {len(_BY_ID)} ids, got {metric_id}; {hint}")
+
+
+def metric_reference() -> str:
+    """Return the tables of docs/metrics.md: a Markdown table a group, from the metrics' records."""
+    lines: list[str] = []
+    for group in dict.fromkeys(metric.group for metric in METRICS):
+        lines += [f"### {group.capitalize()}", ""]
+        lines += ["| id | unit | better | definition | source |", "|---|---|---|---|---|"]
+        for metric in METRICS:
+            if metric.group == group:
+                cells = (metric.unit, metric.better, metric.definition, metric.source)
+                row = " | ".join(cell.replace("|", "\\|") for cell in cells)
+                lines.append(f"| `{metric.id}` | {row} |")
+        lines.append("")
+    return "\n".join(lines)
