@@ -28,6 +28,11 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
+    "export": Command(
+        "export",
+        "export",
+        "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto).",
+    ),
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
