@@ -100,6 +100,11 @@ class CameraTrace:
         object.__setattr__(self, "_times", self.time_s.tolist())
         object.__setattr__(self, "_rows", [tuple(row) for row in rows])
 
+    def __reduce__(self) -> tuple[type["CameraTrace"], tuple[object, ...]]:
+        # Built anew where it is unpickled: arrays are read-only there too, and rows do not travel.
+        arrays = (self.time_s, self.position_m, self.orientation_xyzw, self.cut)
+        return CameraTrace, (self.name, *arrays, self.origin_s, self.repairs)
+
     def __len__(self) -> int:
         return len(self._times)
 

@@ -121,10 +121,12 @@ def test_arrays_are_read_only_copies() -> None:
 
 
 def test_pickle_keeps_the_poses() -> None:
-    """A trace sent to another process gives the same poses."""
+    """A trace sent to another process gives the same poses and is read-only there too."""
     trace = random_trace(1, 20)
     copy: CameraTrace = pickle.loads(pickle.dumps(trace))
     assert copy.pose_at(1.234) == trace.pose_at(1.234)
+    assert (copy.name, copy.origin_s, copy.repairs) == (trace.name, trace.origin_s, trace.repairs)
+    assert not copy.position_m.flags.writeable
 
 
 @pytest.mark.parametrize(
