@@ -113,11 +113,9 @@ class Timeline:
         self._values.append(self.value)
 
     def move_by(self, change: float, rate: float, acceleration: float) -> None:
-        """Move at up to ``rate`` per second, from rest to rest, in the least time."""
+        """Move, by not 0, at up to ``rate`` per second, from rest to rest, in the least time."""
         distance = abs(change)
         peak = min(rate, float(np.sqrt(distance * acceleration)))
-        if peak == 0.0:
-            return
         ramp_s = peak / acceleration
         total_s = distance / peak + ramp_s
         t = np.linspace(0.0, total_s, min(int(total_s / GRAIN_S) + 2, LEG_POINTS))[1:]

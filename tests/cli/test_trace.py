@@ -1,8 +1,6 @@
 """``lodbench trace``: information, conversion and generation on the command line."""
 
 import json
-import re
-import shlex
 from pathlib import Path
 from typing import Any
 
@@ -109,19 +107,6 @@ def test_bad_input_is_an_input_error(
     assert isinstance(result.exception, InputError)
     assert message in str(result.exception)
     assert not list(tmp_path.iterdir())
-
-
-def test_commands_of_the_manual_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each command shown in docs/traces.md works, in the order of the page."""
-    page = Path(__file__).parents[2] / "docs" / "traces.md"
-    monkeypatch.chdir(tmp_path)
-    for name, text in re.findall(r"```(\S+\.csv)\n(.*?)```", page.read_text(), re.DOTALL):
-        (tmp_path / name).write_text(text)
-    commands = re.findall(r"^lodbench trace (.+)$", page.read_text(), re.MULTILINE)
-    assert len(commands) >= 5
-    for command in commands:
-        result = run(*shlex.split(command))
-        assert result.exit_code == 0, (command, result.output, result.exception)
 
 
 @pytest.mark.realdata
