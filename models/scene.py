@@ -130,6 +130,8 @@ class Scene:
             raise InputError("node orientation_xyzw: expected unit quaternions")
         if (self.parent < -1).any() or (self.parent >= np.arange(n)).any():
             raise InputError("node parent: expected -1 or an earlier node")
+        if self.motion is not None and not np.isin(self.motion.node, np.arange(n)).all():
+            raise InputError(f"motion node: expected 0 to {n - 1}, got values outside")
 
     def __len__(self) -> int:
         """Return the number of nodes."""

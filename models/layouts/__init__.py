@@ -1,0 +1,1 @@
+"""Where objects stand: one layout a file."""

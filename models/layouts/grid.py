@@ -1,0 +1,18 @@
+"""A square grid."""
+
+import math
+
+import numpy as np
+
+from ..arrays import FloatArray
+
+__all__ = ["grid"]
+
+
+def grid(radius_m: FloatArray) -> FloatArray:
+    """Return centres (N, 2) row by row, as far apart as the two largest discs need."""
+    count = len(radius_m)
+    columns = math.ceil(math.sqrt(count))
+    index = np.arange(count)
+    cells = np.stack((index % columns, index // columns), axis=1).astype(np.float64)
+    return (cells - cells.max(axis=0) / 2.0) * (2.0 * float(radius_m.max()))

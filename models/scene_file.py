@@ -1,0 +1,252 @@
+"""Scene files: one archive, schema ``lodbench.scene/1``, of types, nodes, motion and geometry.
+
+``docs/scenes.md`` lists the arrays.  Geometry is read apart from the scene, as only renderers and
+mesh algorithms need it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .array_archive import ArrayArchive, write_archive
+from .arrays import require_finite
+from .geometry import Geometry, LevelMesh
+from .levels import LevelTable
+from .motion import Motion
+from .predictors import LEVEL_PREDICTORS
+from .scene import ObjectTypes, Scene
+
+__all__ = ["SCHEMA", "SceneOrigin", "read_geometry", "read_origin", "read_scene", "write_scene"]
+
+SCHEMA = "lodbench.scene/1"
+
+_HEADER = "scene.json"
+_Arrays: TypeAlias = dict[str, NDArray[Any]]
+
+_NODES: Mapping[str, tuple[type[Any], int]] = {
+    "type_index": (np.int32, 1),
+    "position_m": (np.float64, 2),
+    "orientation_xyzw": (np.float64, 2),
+    "scale": (np.float64, 1),
+    "importance": (np.float64, 1),
+    "parent": (np.int32, 1),
+    "additive": (np.bool_, 1),
+}
+_MOTION: Mapping[str, tuple[type[Any], int]] = {
+    "node": (np.int32, 1),
+    "radius_m": (np.float64, 1),
+    "rate_rad_s": (np.float64, 1),
+    "phase_rad": (np.float64, 1),
+}
+_LEVELS: Mapping[str, tuple[type[Any], int]] = {
+    "start": (np.int32, 1),
+    "error_m": (np.float64, 1),
+    "bytes": (np.float64, 1),
+    "continuous": (np.bool_, 1),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SceneOrigin:
+    """Where a scene comes from: the tool, its inputs without folders, and its options."""
+
+    tool: str = ""
+    sources: tuple[str, ...] = ()
+    options: Mapping[str, str | float | bool | None] = field(
+        default_factory=dict[str, str | float | bool | None]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Schema:
+    schema: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Header:
+    schema: str
+    name: str
+    types: tuple[str, ...]
+    predictors: tuple[str, ...]
+    origin: SceneOrigin
+
+
+def write_scene(
+    path: Path, scene: Scene, geometry: Geometry, origin: SceneOrigin | None = None
+) -> None:
+    """Write a scene and its geometry; the same scene gives the same bytes.
+
+    The cost model that a scene may carry is not part of the file.
+
+    Raises
+    ------
+    InputError
+        If the geometry is not one mesh for each row of the level table.
+    """
+    rows = len(scene.types.levels.error_m)
+    if len(geometry) != rows:
+        raise InputError(f"geometry: expected {rows} meshes as levels, got {len(geometry)}")
+    header = _Header(
+        SCHEMA, scene.name, scene.types.names, LEVEL_PREDICTORS, origin or SceneOrigin()
+    )
+    arrays: _Arrays = {f"nodes/{name}": getattr(scene, name) for name in _NODES}
+    if scene.motion is not None:
+        arrays |= {f"motion/{name}": getattr(scene.motion, name) for name in _MOTION}
+    arrays |= {f"types/{name}": getattr(scene.types, name) for name in ("center_m", "radius_m")}
+    arrays |= {f"levels/{name}": getattr(scene.types.levels, name) for name in _LEVELS}
+    arrays["levels/counts"] = scene.types.levels.counts
+    encoded = msgspec.json.format(msgspec.json.encode(header), indent=1)
+    write_archive(path, _HEADER, encoded, arrays | _pack_geometry(geometry))
+
+
+def read_scene(path: Path) -> Scene:
+    """Read a scene without its geometry.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, of another schema, or holds values that no scene has.
+    """
+    # Values that overflow are found by the checks, which say it better than a warning.
+    with ArrayArchive(path) as archive, np.errstate(over="ignore", invalid="ignore"):
+        header = _read_header(archive)
+        try:
+            scene = _scene(archive, header)
+            require_finite(scene.center_m, "bounding sphere center_m")
+            require_finite(scene.radius_m, "bounding sphere radius_m")
+        except InputError as error:
+            raise InputError(error.message, path=path) from error
+        return scene
+
+
+def read_origin(path: Path) -> SceneOrigin:
+    """Read where a scene file comes from; raises InputError as `read_scene`."""
+    with ArrayArchive(path) as archive:
+        return _read_header(archive).origin
+
+
+def read_geometry(path: Path) -> Geometry:
+    """Read the mesh of each row of the level table; raises InputError as `read_scene`."""
+    with ArrayArchive(path) as archive:
+        _read_header(archive)
+        levels = len(archive.array("levels/error_m", np.float64, 1))
+        try:
+            return _unpack_geometry(archive, levels)
+        except InputError as error:
+            raise InputError(error.message, path=path) from error
+
+
+def _read_header(archive: ArrayArchive) -> _Header:
+    data = archive.header(_HEADER)
+    try:
+        schema = msgspec.json.decode(data, type=_Schema).schema
+        if schema != SCHEMA:
+            raise InputError(
+                f"expected schema {SCHEMA}, got {schema!r}; build the scene with this version",
+                path=archive.path,
+            )
+        return msgspec.json.decode(data, type=_Header)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(
+            f"expected a header of {SCHEMA} in {_HEADER}, got {error}; build the scene anew",
+            path=archive.path,
+        ) from error
+
+
+def _scene(archive: ArrayArchive, header: _Header) -> Scene:
+    nodes: dict[str, Any] = {
+        name: archive.array(f"nodes/{name}", *kind) for name, kind in _NODES.items()
+    }
+    motion = None
+    if "motion/node" in archive:
+        motion = Motion(
+            **{name: archive.array(f"motion/{name}", *kind) for name, kind in _MOTION.items()}
+        )
+    levels = LevelTable(
+        counts=_read_counts(archive, header.predictors),
+        **{name: archive.array(f"levels/{name}", *kind) for name, kind in _LEVELS.items()},
+    )
+    center = archive.array("types/center_m", np.float64, 2)
+    radius = archive.array("types/radius_m", np.float64, 1)
+    types = ObjectTypes(header.types, center, radius, levels)
+    return Scene(name=header.name, types=types, motion=motion, **nodes)
+
+
+def _read_counts(archive: ArrayArchive, predictors: tuple[str, ...]) -> NDArray[Any]:
+    """Return counts in the order of `LEVEL_PREDICTORS`; those that the file lacks are 0."""
+    unknown = sorted(set(predictors) - set(LEVEL_PREDICTORS))
+    if unknown or len(set(predictors)) != len(predictors):
+        raise InputError(
+            f"predictors: expected distinct names among {', '.join(LEVEL_PREDICTORS)}; "
+            f"got {', '.join(unknown) or 'a name twice'}"
+        )
+    given = archive.array("levels/counts", np.float64, 2)
+    if given.shape[1] != len(predictors):
+        raise InputError(f"level counts: expected {len(predictors)} columns, got {given.shape[1]}")
+    counts = np.zeros((len(given), len(LEVEL_PREDICTORS)))
+    counts[:, [LEVEL_PREDICTORS.index(name) for name in predictors]] = given
+    return counts
+
+
+def _pack_geometry(geometry: Geometry) -> _Arrays:
+    """Return the meshes as concatenated arrays with the row at which each mesh starts."""
+    with_uv = [mesh.uv for mesh in geometry if mesh.uv is not None]
+    return {
+        "geometry/vertex_start": _starts([len(mesh.vertices) for mesh in geometry]),
+        "geometry/vertices": np.concatenate([mesh.vertices for mesh in geometry]),
+        "geometry/normals": np.concatenate([mesh.normals for mesh in geometry]),
+        "geometry/face_start": _starts([len(mesh.faces) for mesh in geometry]),
+        "geometry/faces": np.concatenate([mesh.faces for mesh in geometry]),
+        "geometry/part_start_start": _starts([len(mesh.part_start) for mesh in geometry]),
+        "geometry/part_start": np.concatenate([mesh.part_start for mesh in geometry]),
+        "geometry/has_uv": np.array([mesh.uv is not None for mesh in geometry]),
+        "geometry/uv": np.concatenate((np.zeros((0, 2), dtype=np.float32), *with_uv)),
+    }
+
+
+def _starts(lengths: list[int]) -> NDArray[np.int64]:
+    return np.concatenate(([0], np.cumsum(lengths, dtype=np.int64))).astype(np.int64)
+
+
+def _unpack_geometry(archive: ArrayArchive, levels: int) -> Geometry:
+    vertices = _split(archive, "vertices", "vertex_start", np.float32, levels)
+    normals = _split(archive, "normals", "vertex_start", np.float32, levels)
+    faces = _split(archive, "faces", "face_start", np.int32, levels)
+    part_start = archive.array("geometry/part_start", np.int32, 1)
+    part_rows = _bounds(archive, "part_start_start", len(part_start), levels)
+    has_uv = archive.array("geometry/has_uv", np.bool_, 1)
+    uv = archive.array("geometry/uv", np.float32, 2)
+    if len(has_uv) != levels:
+        raise InputError(f"geometry has_uv: expected {levels} flags, got {len(has_uv)}")
+    end = np.cumsum([len(v) * flag for v, flag in zip(vertices, has_uv, strict=True)])
+    return tuple(
+        LevelMesh(
+            vertices[i],
+            normals[i],
+            faces[i],
+            part_start[part_rows[i] : part_rows[i + 1]],
+            uv[end[i] - len(vertices[i]) : end[i]] if has_uv[i] else None,
+        )
+        for i in range(levels)
+    )
+
+
+def _split(
+    archive: ArrayArchive, name: str, start_name: str, dtype: type[Any], levels: int
+) -> list[NDArray[Any]]:
+    array = archive.array(f"geometry/{name}", dtype, 2)
+    rows = _bounds(archive, start_name, len(array), levels)
+    return [array[rows[i] : rows[i + 1]] for i in range(levels)]
+
+
+def _bounds(archive: ArrayArchive, name: str, rows: int, levels: int) -> NDArray[np.int64]:
+    start = archive.array(f"geometry/{name}", np.int64, 1)
+    if len(start) != levels + 1 or start[0] != 0 or start[-1] != rows or (np.diff(start) < 0).any():
+        raise InputError(f"geometry {name}: expected {levels + 1} rows rising from 0 to {rows}")
+    return start

@@ -1,0 +1,53 @@
+"""A scene in a few numbers, as JSON holds them."""
+
+from typing import Any
+
+import numpy as np
+
+from .extent import scene_extent
+from .predictors import LEVEL_PREDICTORS
+from .scene import Scene
+from .scene_file import SceneOrigin
+
+__all__ = ["summarise"]
+
+
+def summarise(scene: Scene, origin: SceneOrigin) -> dict[str, Any]:
+    """Return types with their levels, objects, triangles at full detail, extent and origin."""
+    kinds = len(scene.types.names)
+    objects = np.bincount(scene.type_index, minlength=kinds)
+    levels = scene.types.levels
+    finest = levels.counts[levels.start[:-1], LEVEL_PREDICTORS.index("triangles")]
+    center, size = scene_extent(scene)
+    return {
+        "name": scene.name,
+        "objects": len(scene),
+        "moving": 0 if scene.motion is None else len(scene.motion.node),
+        "triangles": int(objects @ finest),
+        "extent": {"center_m": center.tolist(), "size_m": size.tolist()},
+        "types": [_type_record(scene, k, int(objects[k])) for k in range(kinds)],
+        "origin": {
+            "tool": origin.tool,
+            "sources": list(origin.sources),
+            "options": dict(origin.options),
+        },
+    }
+
+
+def _type_record(scene: Scene, kind: int, objects: int) -> dict[str, Any]:
+    levels = scene.types.levels
+    rows = range(levels.start[kind], levels.start[kind + 1])
+    return {
+        "name": scene.types.names[kind],
+        "objects": objects,
+        "radius_m": float(scene.types.radius_m[kind]),
+        "continuous": bool(levels.continuous[kind]),
+        "levels": [
+            {
+                **{name: round(levels.counts[row, i]) for i, name in enumerate(LEVEL_PREDICTORS)},
+                "error_m": float(levels.error_m[row]),
+                "bytes": round(levels.bytes[row]),
+            }
+            for row in rows
+        ],
+    }

@@ -1,0 +1,135 @@
+"""Chains of discrete levels of detail, by quadric edge collapse."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .arrays import FloatArray, IntArray
+from .attributes import carry_parts, carry_uv
+from .geometry import LevelMesh
+from .mesh_error import ErrorMeter, Sampling
+from .predictors import LEVEL_PREDICTORS
+from .surface_mesh import SurfaceMesh
+from .type_model import TypeModel
+
+__all__ = ["ChainOptions", "build_chain", "simplify_surface"]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainOptions:
+    """How many levels a chain has; level i aims at ``ratio ** i`` of the full triangles.
+
+    Attributes
+    ----------
+    levels : int
+        At most, the full mesh included; 1 to 32.
+    ratio : float
+        Triangles of a level over triangles of the finer one, in [0.05, 0.95].
+    min_triangles : int
+        No level aims lower.
+    """
+
+    levels: int = 8
+    ratio: float = 0.5
+    min_triangles: int = 32
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.levels <= 32:
+            raise InputError(f"levels: expected 1 to 32, got {self.levels}")
+        if not 0.05 <= self.ratio <= 0.95:
+            raise InputError(f"ratio: expected 0.05 to 0.95, got {self.ratio}")
+        if self.min_triangles < 1:
+            raise InputError(f"min_triangles: expected at least 1, got {self.min_triangles}")
+
+
+def build_chain(full: SurfaceMesh, options: ChainOptions, sampling: Sampling) -> TypeModel:
+    """Return the levels of a mesh, each collapsed from the full mesh and measured against it.
+
+    The chain ends where the next target is below `min_triangles`, or where simplification stops
+    removing triangles (a level must have at most 0.95 of the finer one's).  The error of a level
+    is measured, then raised to that of the finer level if sampling put it below.
+    """
+    meshes = [_drawn(full, full.positions, full.faces, full.part, full.uv_index)]
+    errors = [0.0]
+    meter = ErrorMeter(full.positions, full.faces, sampling)
+    for level in range(1, options.levels):
+        target = round(len(full.faces) * options.ratio**level)
+        if target < options.min_triangles:
+            break
+        positions, faces = simplify_surface(full.positions, full.faces, target)
+        if not 0 < len(faces) <= 0.95 * len(meshes[-1].faces):
+            break
+        part = carry_parts(full, positions, faces)
+        meshes.append(_drawn(full, positions, faces, part, carry_uv(full, positions, faces, part)))
+        errors.append(max(errors[-1], meter.error_m(positions, faces)))
+    counts = np.stack([_counts(full, mesh) for mesh in meshes])
+    return TypeModel(full.name, tuple(meshes), counts, np.array(errors))
+
+
+def simplify_surface(
+    positions: FloatArray, faces: IntArray, target: int
+) -> tuple[FloatArray, IntArray]:
+    """Return positions and faces of at least about `target` triangles (fast-simplification).
+
+    The method is Garland and Heckbert, "Surface simplification using quadric error metrics"
+    (1997), with the threshold schedule of Forstmann's Fast Quadric Mesh Simplification.
+    """
+    import fast_simplification
+
+    if target >= len(faces):
+        return positions, faces
+    # The schedule's thresholds are absolute, so the mesh is brought to unit size for them.
+    low = positions.min(axis=0)
+    size = float(np.ptp(positions, axis=0).max())
+    unit = (positions - low) / size
+    # The library takes writable arrays only.
+    triangles: Any = faces.copy()
+    result: Any = fast_simplification.simplify(unit, triangles, target_count=target)
+    points = np.asarray(result[0], dtype=np.float64) * size + low
+    simple = np.asarray(result[1], dtype=np.int32)
+    a, b, c = (points[simple[:, i]] for i in range(3))
+    keep = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12 * size * size
+    return points, simple[keep]
+
+
+def _drawn(
+    full: SurfaceMesh, positions: FloatArray, faces: IntArray, part: IntArray, uv_index: IntArray
+) -> LevelMesh:
+    """Return the buffers of a level: faces by part, a vertex for each position and coordinate."""
+    order = np.argsort(part, kind="stable")
+    faces, uv_index = faces[order], uv_index[order]
+    pairs = np.stack((faces.ravel(), uv_index.ravel()), axis=1)
+    vertex, index = np.unique(pairs, axis=0, return_inverse=True)
+    start = np.searchsorted(part[order], np.arange(len(full.textured) + 1))
+    return LevelMesh(
+        positions[vertex[:, 0]].astype(np.float32),
+        _normals(positions, faces)[vertex[:, 0]].astype(np.float32),
+        index.reshape(-1, 3).astype(np.int32),
+        start.astype(np.int32),
+        full.uv[vertex[:, 1]].astype(np.float32) if full.has_uv else None,
+    )
+
+
+def _normals(positions: FloatArray, faces: IntArray) -> FloatArray:
+    """Return unit normals of vertices, weighted by area; zero where the faces cancel."""
+    a, b, c = (positions[faces[:, i]] for i in range(3))
+    area = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    total = np.zeros_like(positions)
+    np.add.at(total, faces.ravel(), area)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+
+
+def _counts(full: SurfaceMesh, mesh: LevelMesh) -> FloatArray:
+    """Return the counts of a level in the order of `LEVEL_PREDICTORS`."""
+    sizes = np.diff(mesh.part_start)
+    values = {
+        "draw_calls": np.count_nonzero(sizes),
+        "vertices": len(mesh.vertices),
+        "triangles": len(mesh.faces),
+        "textured_triangles": sizes[full.textured].sum(),
+        "texture_bytes": full.texture_bytes,
+    }
+    return np.array([float(values.get(name, 0.0)) for name in LEVEL_PREDICTORS])
