@@ -139,6 +139,9 @@ def _arrays(data: _CaptureData, path: Path) -> tuple[dict[str, FloatArray], Bool
                 f"expected {frames} values of {name} as of time, got {length}; {_ADVICE}", path=path
             )
     known = {name: np.array(v, dtype=np.float64) for name, v in lists.items() if v is not None}
+    for name, values in known.items():
+        if np.isinf(values).any():
+            raise InputError(f"expected finite numbers of {name}, got inf; {_ADVICE}", path=path)
     _require_order(known["present_s"], path)
     return known, np.array(dropped, dtype=np.bool_)
 

@@ -51,7 +51,7 @@ class TraceEvent(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     pid: int | str = 0
     tid: int | str = 0
     cat: str = ""
-    args: dict[str, Any] = msgspec.field(default_factory=dict[str, Any])
+    args: dict[str, Any] | None = None
     id: int | str | None = None
     bp: str | None = None
     s: str | None = None
@@ -97,11 +97,15 @@ def _fault(event: TraceEvent) -> str:
         return "a time, got none"
     if event.ph == "X" and (event.dur is None or event.dur < 0.0):
         return f"a duration of at least 0, got {event.dur}"
-    if event.ph == "C" and not all(isinstance(v, int | float) for v in event.args.values()):
+    if event.ph == "C" and not _is_series(event.args):
         return "numbers in args, got something else"
     if event.ph in {"s", "t", "f"} and event.id is None:
         return "the id of a flow, got none"
     return ""
+
+
+def _is_series(args: dict[str, Any] | None) -> bool:
+    return bool(args) and all(isinstance(value, int | float) for value in args.values())
 
 
 def _require_ends(events: Sequence[TraceEvent], path: Path) -> None:
