@@ -123,5 +123,5 @@ def test_real_trace(data_dir: Path) -> None:
     events = read_chrome_trace(data_dir / "logs" / "chrometrace-perfetto-flow.json")
     assert [event.ph for event in events] == ["X", "X", "X", "X", "X", "B", "i", "E"]
     assert events[0] == TraceEvent(
-        ph="X", name="SenderA", cat="ipc", ts=3002.0, dur=10.0, pid=15902, tid=15903
+        ph="X", name="SenderA", cat="ipc", ts=3002.0, dur=10.0, pid=15902, tid=15903, args={}
     )
