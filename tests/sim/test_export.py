@@ -1,6 +1,7 @@
 """Export: a run read back from the viewers' formats has the same metrics."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -16,8 +17,7 @@ from lodbench.traces.capframex import read_capframex
 from lodbench.traces.presentmon import read_presentmon
 from lodbench.traces.timings import FloatArray, FrameTimings
 
-from .pipeline_runs import run_pipeline
-
+Replay = Callable[..., FrameLog]
 MODES: tuple[DisplayMode, ...] = get_args(DisplayMode)
 READERS = {"presentmon": read_presentmon, "capframex": read_capframex}
 NS_IN_MS = 1e-6
@@ -51,7 +51,9 @@ def summary(values: FloatArray) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", READERS)
 @pytest.mark.parametrize("mode", MODES)
-def test_metrics_survive(tmp_path: Path, mode: DisplayMode, name: str) -> None:
+def test_metrics_survive(
+    tmp_path: Path, mode: DisplayMode, name: str, run_pipeline: Replay
+) -> None:
     """Frame times, 1 % lows, lag, animation error, drops, CPU and GPU are those of the run."""
     log = run_pipeline(mode)
     run = Run(log, warmup=1)  # the first frame makes no row
@@ -73,7 +75,9 @@ def test_metrics_survive(tmp_path: Path, mode: DisplayMode, name: str) -> None:
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_columns_follow_the_definitions(tmp_path: Path, mode: DisplayMode) -> None:
+def test_columns_follow_the_definitions(
+    tmp_path: Path, mode: DisplayMode, run_pipeline: Replay
+) -> None:
     """Each column of PresentMon is its definition in terms of the pipeline's times."""
     log = run_pipeline(mode)
     times = {name: log[name] * 1.0 for name in TIMES}
@@ -100,7 +104,7 @@ def test_columns_follow_the_definitions(tmp_path: Path, mode: DisplayMode) -> No
     assert read.cpu_start_s == pytest.approx(start[1:] / 1e9, abs=1e-11)
 
 
-def test_hand_worked_run() -> None:
+def test_hand_worked_run(run_pipeline: Replay) -> None:
     """Three frames: the second shown 11 ms after its input and moved 2 ms too little."""
     log = run_pipeline("immediate", frames=3)
     rows = [
@@ -121,14 +125,14 @@ def test_hand_worked_run() -> None:
     assert np.isnan(timings.input_to_photon_ms).all()
 
 
-def test_a_single_frame_is_refused() -> None:
+def test_a_single_frame_is_refused(run_pipeline: Replay) -> None:
     """One frame has no present before it, so there would be no row."""
     with pytest.raises(InputError, match="expected a run of at least 2 frames, got 1"):
         frame_timings(run_pipeline("vsync", frames=1))
 
 
 @pytest.mark.parametrize("name", EXPORTS)
-def test_same_run_same_bytes(tmp_path: Path, name: str) -> None:
+def test_same_run_same_bytes(tmp_path: Path, name: str, run_pipeline: Replay) -> None:
     """An export depends on nothing but the run."""
     log = run_pipeline("mailbox", frames=50)
     for copy in ("a", "b"):
@@ -136,7 +140,9 @@ def test_same_run_same_bytes(tmp_path: Path, name: str) -> None:
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_viewers_that_split_at_commas_see_whole_columns(tmp_path: Path) -> None:
+def test_viewers_that_split_at_commas_see_whole_columns(
+    tmp_path: Path, run_pipeline: Replay
+) -> None:
     """The policy's parameters put no comma or quote into a row."""
     EXPORTS["presentmon"].write(run_pipeline("vsync", frames=20), tmp_path / "out.csv")
     lines = (tmp_path / "out.csv").read_text().splitlines()

@@ -1,6 +1,7 @@
 """Trace events: what Perfetto shows of a run."""
 
 from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -13,9 +14,8 @@ from lodbench.sim.frame_log import COUNTS, FrameLog
 from lodbench.sim.trace_events import trace_events
 from lodbench.traces.chrometrace import TraceEvent, read_chrome_trace
 
-from .pipeline_runs import run_pipeline
-
 CPU, GPU, DISPLAY = 1, 2, 3
+Replay = Callable[..., FrameLog]
 MODES: tuple[DisplayMode, ...] = get_args(DisplayMode)
 
 
@@ -30,7 +30,7 @@ def slices(
     ]
 
 
-def by_hand() -> FrameLog:
+def by_hand(run_pipeline: Replay) -> FrameLog:
     """Return three frames, the second dropped; its policy is said to take more than the CPU did."""
     log = run_pipeline("immediate", frames=3)
     rows = [
@@ -43,9 +43,9 @@ def by_hand() -> FrameLog:
     return FrameLog(log.header, np.array(rows), counts)
 
 
-def test_hand_worked_slices() -> None:
+def test_hand_worked_slices(run_pipeline: Replay) -> None:
     """Slices begin and end where the frame log says; the last display lasts one refresh."""
-    events = tuple(trace_events(by_hand()))
+    events = tuple(trace_events(by_hand(run_pipeline)))
     assert slices(events, CPU) == [(0, 4000), (5000, 8000), (8000, 12000)]
     assert slices(events, CPU, "policy") == [(0, 1000), (5000, 8000), (8000, 8500)]
     assert slices(events, CPU, "wait") == [(4000, 5000)]
@@ -58,7 +58,9 @@ def test_hand_worked_slices() -> None:
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_written_trace_is_what_perfetto_reads(tmp_path: Path, mode: DisplayMode) -> None:
+def test_written_trace_is_what_perfetto_reads(
+    tmp_path: Path, mode: DisplayMode, run_pipeline: Replay
+) -> None:
     """Names, phases and fields are those of the format, in each display mode."""
     log = run_pipeline(mode, frames=120)
     EXPORTS["chrome-trace"].write(log, tmp_path / "run.json")
@@ -81,7 +83,7 @@ def test_written_trace_is_what_perfetto_reads(tmp_path: Path, mode: DisplayMode)
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_slices_of_a_thread_nest(mode: DisplayMode) -> None:
+def test_slices_of_a_thread_nest(mode: DisplayMode, run_pipeline: Replay) -> None:
     """On each thread a slice ends before the next begins, or lies in the one before."""
     threads: defaultdict[object, list[tuple[float, float]]] = defaultdict(list)
     for event in trace_events(run_pipeline(mode)):
@@ -98,7 +100,7 @@ def test_slices_of_a_thread_nest(mode: DisplayMode) -> None:
                 outer_start, outer_end = start, end
 
 
-def test_arrows_lead_from_input_to_display() -> None:
+def test_arrows_lead_from_input_to_display(run_pipeline: Replay) -> None:
     """A frame's flow begins at its input and ends at its display, in a slice of that thread."""
     log = run_pipeline("mailbox", frames=60)
     events = tuple(trace_events(log))
@@ -112,7 +114,7 @@ def test_arrows_lead_from_input_to_display() -> None:
     assert set(ends.values()) == begun
 
 
-def test_counters_are_those_of_the_log() -> None:
+def test_counters_are_those_of_the_log(run_pipeline: Replay) -> None:
     """Triangles, draw calls and toggles are series over the input times."""
     log = run_pipeline("vsync", frames=30)
     for name in ("triangles", "draw_calls", "toggles"):

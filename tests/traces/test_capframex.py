@@ -14,8 +14,6 @@ from lodbench.traces.capframex import read_capframex, write_capframex
 from lodbench.traces.presentmon import read_presentmon
 from lodbench.traces.timings import FrameTimings
 
-from .presents import CURRENT, EXPECTED, V1
-
 # As CapFrameX saves: fields that it may leave null, integers among floats, NaN as a string.
 CAPTURE: dict[str, Any] = {
     "TimeInSeconds": [0.009, 0.015, 0.022, 0.030],
@@ -34,6 +32,7 @@ CAPTURE: dict[str, Any] = {
     "GpuActive": [7.0, 3.0, 5.0, 8.0],
     "CpuActive": [4.0, 3.0, 4.0, 5.0],
 }
+Timings = dict[str, list[float]]
 UNKNOWN = {"gpu_latency_ms", "gpu_time_ms", "input_to_photon_ms"}
 
 
@@ -51,13 +50,21 @@ def read(tmp_path: Path, content: object, **run: int) -> FrameTimings:
     return read_capframex(path, **run)
 
 
-def test_json_gives_the_hand_worked_timings(tmp_path: Path) -> None:
+@pytest.fixture
+def made(tmp_path: Path, present_logs: dict[str, str]) -> FrameTimings:
+    """Return the hand-worked stream."""
+    source = tmp_path / "given.csv"
+    source.write_text(present_logs["presentmon"])
+    return read_presentmon(source)
+
+
+def test_json_gives_the_hand_worked_timings(tmp_path: Path, expected_timings: Timings) -> None:
     """Each column that CapFrameX has, or that follows from those, reads as worked by hand."""
     timings = read(tmp_path, session(CAPTURE))
     assert (timings.dialect, timings.application) == ("capframex", "game.exe")
     assert timings.header == (("ProcessName", "game.exe"), ("GPU", "RTX"))
-    for name in EXPECTED.keys() - UNKNOWN:
-        assert getattr(timings, name) == pytest.approx(EXPECTED[name], nan_ok=True), name
+    for name in expected_timings.keys() - UNKNOWN:
+        assert getattr(timings, name) == pytest.approx(expected_timings[name], nan_ok=True), name
     for name in UNKNOWN:
         assert np.isnan(getattr(timings, name)).all()
 
@@ -80,38 +87,34 @@ def test_runs_are_separate(tmp_path: Path) -> None:
         read(tmp_path, session(CAPTURE, short), run=2)
 
 
-def test_csv_with_header_lines(tmp_path: Path) -> None:
+def test_csv_with_header_lines(tmp_path: Path, present_logs: dict[str, str]) -> None:
     """Lines //Key=Value become the header; the rest reads as OCAT's columns do."""
-    content = "//GameName=game.exe\n//GPU #=1\n//Comment=a=b\n" + V1
+    content = "//GameName=game.exe\n//GPU #=1\n//Comment=a=b\n" + present_logs["presentmon-v1"]
     timings = read(tmp_path, content)
     assert timings.dialect == "capframex"
     assert timings.header == (("GameName", "game.exe"), ("GPU #", "1"), ("Comment", "a=b"))
-    assert timings.gpu_busy_ms.tolist() == EXPECTED["gpu_busy_ms"]
+    assert timings.gpu_busy_ms.tolist() == [7, 3, 5, 8]
     with pytest.raises(InputError, match=r"record\.json:7: expected 18 columns"):
         read(tmp_path, content.replace(",0,0.022,3", ",0,0.022"))
     with pytest.raises(InputError, match="expected run 0"):
         read(tmp_path, content, run=1)
 
 
-def test_written_record_comes_back(tmp_path: Path) -> None:
+def test_written_record_comes_back(
+    tmp_path: Path, made: FrameTimings, expected_timings: Timings
+) -> None:
     """All that CapFrameX has a place for is read back; time starts at 0."""
-    source = tmp_path / "given.csv"
-    source.write_text(CURRENT)
-    made = read_presentmon(source)
     write_capframex(tmp_path / "out.json", made, comment="as written")
     again = read_capframex(tmp_path / "out.json")
     assert again.dropped.tolist() == made.dropped.tolist()
     assert again.present_s == pytest.approx(made.present_s - 0.009, abs=1e-12)
     assert ("Comment", "as written") in again.header
-    for name in EXPECTED.keys() - UNKNOWN - {"present_s"}:
-        assert getattr(again, name) == pytest.approx(EXPECTED[name], nan_ok=True), name
+    for name in expected_timings.keys() - UNKNOWN - {"present_s"}:
+        assert getattr(again, name) == pytest.approx(expected_timings[name], nan_ok=True), name
 
 
-def test_written_record_has_the_fields_of_a_real_one(tmp_path: Path) -> None:
+def test_written_record_has_the_fields_of_a_real_one(tmp_path: Path, made: FrameTimings) -> None:
     """Zeros stand for a dropped frame's display times, "NaN" for other numbers that are none."""
-    source = tmp_path / "given.csv"
-    source.write_text(CURRENT)
-    made = read_presentmon(source)
     write_capframex(tmp_path / "out.json", made, tearing=True)
     record = json.loads((tmp_path / "out.json").read_text())
     capture = record["Runs"][0]["CaptureData"]

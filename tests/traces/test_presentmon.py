@@ -1,5 +1,6 @@
 """PresentMon and OCAT: hand-worked streams in three dialects, broken files, and real ones."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,9 @@ from lodbench.errors import InputError
 from lodbench.traces.presentmon import read_presentmon
 from lodbench.traces.timings import FrameTimings
 
-from .presents import CURRENT, EXPECTED, NAN, V1, V2
-
-DIALECTS = {"presentmon-v1": V1, "presentmon-v2": V2, "presentmon": CURRENT}
+DIALECTS = ("presentmon-v1", "presentmon-v2", "presentmon")
+NAN = float("nan")
+Timings = dict[str, list[float]]
 
 
 def read(tmp_path: Path, content: str | bytes, **stream: Any) -> FrameTimings:
@@ -34,13 +35,15 @@ def refusal(tmp_path: Path, content: str | bytes, **stream: Any) -> str:
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)
-def test_dialects_give_the_same_timings(tmp_path: Path, dialect: str) -> None:
+def test_dialects_give_the_same_timings(
+    tmp_path: Path, dialect: str, present_logs: dict[str, str], expected_timings: Timings
+) -> None:
     """One stream in each dialect reads as worked by hand, but for what the dialect lacks."""
-    timings = read(tmp_path, DIALECTS[dialect])
+    timings = read(tmp_path, present_logs[dialect])
     assert timings.dialect == dialect
     assert (timings.application, timings.process_id, timings.swap_chain) == ("game.exe", 7, "0xABC")
     assert timings.dropped.tolist() == [False, True, False, False]
-    expected: dict[str, list[float]] = {name: list(values) for name, values in EXPECTED.items()}
+    expected = expected_timings
     if dialect == "presentmon-v1":
         # Of the first row nothing is known of the Present() before, by which CPUStart is defined.
         for name in ("cpu_busy_ms", "frame_ms", "gpu_latency_ms", "display_latency_ms"):
@@ -54,15 +57,17 @@ def test_dialects_give_the_same_timings(tmp_path: Path, dialect: str) -> None:
         assert getattr(timings, name) == pytest.approx(values, abs=1e-9, nan_ok=True), name
 
 
-def test_arrays_are_read_only(tmp_path: Path) -> None:
+def test_arrays_are_read_only(tmp_path: Path, present_logs: dict[str, str]) -> None:
     """Timings cannot be changed after the checks of construction."""
     with pytest.raises(ValueError, match="read-only"):
-        read(tmp_path, V1).frame_ms[0] = 1.0
+        read(tmp_path, present_logs["presentmon-v1"]).frame_ms[0] = 1.0
 
 
-def test_presents_that_are_missing_break_the_chain(tmp_path: Path) -> None:
+def test_presents_that_are_missing_break_the_chain(
+    tmp_path: Path, present_logs: dict[str, str]
+) -> None:
     """Without the dropped row (--exclude_dropped), nothing is derived from the row before it."""
-    lines = V1.splitlines(keepends=True)
+    lines = present_logs["presentmon-v1"].splitlines(keepends=True)
     timings = read(tmp_path, "".join(lines[:2] + lines[3:]))
     assert timings.cpu_busy_ms == pytest.approx([NAN, NAN, 5.0], nan_ok=True)
     assert timings.between_presents_ms.tolist() == [5.0, 7.0, 8.0]
@@ -77,9 +82,11 @@ def test_presents_that_are_missing_break_the_chain(tmp_path: Path) -> None:
         ("CPUStartDateTime", [f"2026-9-8 8:57:43.0{ms:02d}000000" for ms in (5, 12, 18, 25)]),
     ],
 )
-def test_clocks(tmp_path: Path, column: str, times: list[object]) -> None:
+def test_clocks(
+    tmp_path: Path, column: str, times: list[object], present_logs: dict[str, str]
+) -> None:
     """Ticks of any frequency, seconds and dates give the same steps of Present()."""
-    lines = V2.replace("CPUStartTime", column).splitlines()
+    lines = present_logs["presentmon-v2"].replace("CPUStartTime", column).splitlines()
     for row, time in enumerate(times, start=1):
         fields = lines[row].split(",")
         fields[9] = str(time)
@@ -89,9 +96,11 @@ def test_clocks(tmp_path: Path, column: str, times: list[object]) -> None:
     assert timings.between_presents_ms[1:] == pytest.approx([6, 7, 8])
 
 
-def test_version_1_with_dates_in_seconds_column(tmp_path: Path) -> None:
+def test_version_1_with_dates_in_seconds_column(
+    tmp_path: Path, present_logs: dict[str, str]
+) -> None:
     """With -date_time, version 1 writes dates under TimeInSeconds."""
-    content = V1
+    content = present_logs["presentmon-v1"]
     for second in ("0.009", "0.015", "0.022", "0.030"):
         content = content.replace(f",{second},", f",2021-1-2 23:59:5{second}000000,")
     content = content.replace("59:50.", "59:59.")
@@ -106,9 +115,9 @@ def stream(application: str, process_id: int, swap_chain: str, rows: int) -> str
     )
 
 
-def test_busiest_stream_is_read(tmp_path: Path) -> None:
+def test_busiest_stream_is_read(tmp_path: Path, present_logs: dict[str, str]) -> None:
     """Default: the most rows, without compositor and swap chain 0x0; each can be asked for."""
-    header = V1.splitlines(keepends=True)[0]
+    header = present_logs["presentmon-v1"].splitlines(keepends=True)[0]
     content = (
         header
         + stream("dwm.exe", 1, "0x10", 9)
@@ -127,50 +136,57 @@ def test_busiest_stream_is_read(tmp_path: Path) -> None:
     assert message.startswith(" expected a stream other.exe, got dwm.exe 1 0x10")
 
 
-def test_only_the_compositor(tmp_path: Path) -> None:
+def test_only_the_compositor(tmp_path: Path, present_logs: dict[str, str]) -> None:
     """A file of nothing but the compositor is read."""
-    content = V1.splitlines(keepends=True)[0] + stream("dwm.exe", 1, "0x10", 2)
+    header = present_logs["presentmon-v1"].splitlines(keepends=True)[0]
+    content = header + stream("dwm.exe", 1, "0x10", 2)
     assert read(tmp_path, content).application == "dwm.exe"
 
 
-def test_generated_frames_are_left_aside(tmp_path: Path) -> None:
+def test_generated_frames_are_left_aside(
+    tmp_path: Path, present_logs: dict[str, str], expected_timings: Timings
+) -> None:
     """A frame that the driver made up between two others is no frame of the application."""
-    lines = V2.splitlines()
+    lines = present_logs["presentmon-v2"].splitlines()
     lines.insert(3, lines[2].replace("Application,12", "Intel XeSS-FG,12"))
     timings = read(tmp_path, "\n".join(lines))
-    assert timings.frame_ms == pytest.approx(EXPECTED["frame_ms"])
+    assert timings.frame_ms == pytest.approx(expected_timings["frame_ms"])
     assert timings.notes == ("left aside 1 frames that the driver generated",)
 
 
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("UTF-8 with mark", b"\xef\xbb\xbf" + CURRENT.encode()),
-        ("Windows line ends", CURRENT.replace("\n", "\r\n").encode()),
-        ("mixed line ends", CURRENT.replace("\n", "\r\n", 2).encode()),
-        ("blank last line", CURRENT.encode() + b"\n\n"),
-        ("other case", CURRENT.replace("MsBetweenPresents", "msBetweenPresents").encode()),
-    ],
-)
-def test_harmless_variants(tmp_path: Path, name: str, content: bytes) -> None:
+VARIANTS: dict[str, Callable[[str], bytes]] = {
+    "UTF-8 with mark": lambda log: b"\xef\xbb\xbf" + log.encode(),
+    "Windows line ends": lambda log: log.replace("\n", "\r\n").encode(),
+    "mixed line ends": lambda log: log.replace("\n", "\r\n", 2).encode(),
+    "blank last lines": lambda log: log.encode() + b"\n\n",
+    "other case": lambda log: log.replace("MsBetweenPresents", "msBetweenPresents").encode(),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_harmless_variants(
+    tmp_path: Path, name: str, present_logs: dict[str, str], expected_timings: Timings
+) -> None:
     """Marks, line ends, blank lines and the case of names change nothing."""
-    timings = read(tmp_path, content)
-    assert timings.display_latency_ms == pytest.approx(
-        EXPECTED["display_latency_ms"], nan_ok=True
-    ), name
+    timings = read(tmp_path, VARIANTS[name](present_logs["presentmon"]))
+    expected = expected_timings["display_latency_ms"]
+    assert timings.display_latency_ms == pytest.approx(expected, nan_ok=True)
     assert timings.notes == ()
 
 
-def test_redirected_in_powershell(tmp_path: Path) -> None:
+def test_redirected_in_powershell(
+    tmp_path: Path, present_logs: dict[str, str], expected_timings: Timings
+) -> None:
     """UTF-16LE is decoded, and said."""
-    timings = read(tmp_path, b"\xff\xfe" + CURRENT.replace("\n", "\r\n").encode("utf-16-le"))
-    assert timings.frame_ms == pytest.approx(EXPECTED["frame_ms"])
+    log = present_logs["presentmon"].replace("\n", "\r\n")
+    timings = read(tmp_path, b"\xff\xfe" + log.encode("utf-16-le"))
+    assert timings.frame_ms == pytest.approx(expected_timings["frame_ms"])
     assert timings.notes == ("decoded from UTF-16LE",)
 
 
-def test_ocat_first_row_has_more_columns(tmp_path: Path) -> None:
+def test_ocat_first_row_has_more_columns(tmp_path: Path, present_logs: dict[str, str]) -> None:
     """The columns about the hardware, filled in the first row only, do not hide a truncated row."""
-    lines = V1.splitlines()
+    lines = present_logs["presentmon-v1"].splitlines()
     lines[0] += ",Motherboard,OS,Comment"
     lines[1] += ',"Maker, Inc.",Windows,'
     timings = read(tmp_path, "\n".join(lines))
@@ -179,38 +195,64 @@ def test_ocat_first_row_has_more_columns(tmp_path: Path) -> None:
     assert refusal(tmp_path, "\n".join(lines)).startswith("4: expected 18 columns")
 
 
-HEADER = V1.splitlines()[0]
-BROKEN = {
-    "truncated": (V1[:-12], "5: expected 18 columns as in the header, got 14; the file is cut off"),
-    "semicolons": (V1.replace(",", ";"), "1: expected commas between columns, got ';'"),
-    "tabs": (V1.replace(",", "\t"), "1: expected commas between columns"),
-    "decimal commas": (V1.replace(".0", ",0"), "2: expected 18 columns as in the header, got 19"),
-    "no header": (V1.partition("\n")[2], "1: expected the columns Application, ProcessID"),
-    "another file": ("a,b\n1,2\n", "1: expected the columns Application, ProcessID"),
+BROKEN: dict[str, tuple[Callable[[str], str | bytes], str]] = {
+    "truncated": (
+        lambda log: log[:-12],
+        "5: expected 18 columns as in the header, got 14; the file is cut off",
+    ),
+    "semicolons": (
+        lambda log: log.replace(",", ";"),
+        "1: expected commas between columns, got ';'",
+    ),
+    "tabs": (lambda log: log.replace(",", "\t"), "1: expected commas between columns"),
+    "decimal commas": (
+        lambda log: log.replace(".0", ",0"),
+        "2: expected 18 columns as in the header, got 19",
+    ),
+    "no header": (
+        lambda log: log.partition("\n")[2],
+        "1: expected the columns Application, ProcessID",
+    ),
+    "another file": (lambda _: "a,b\n1,2\n", "1: expected the columns Application, ProcessID"),
     "column twice": (
-        V1.replace("msGPUActive", "DROPPED"),
+        lambda log: log.replace("msGPUActive", "DROPPED"),
         "1: expected each column once, got dropped twice",
     ),
-    "no rows": (HEADER + "\n", "1: expected rows below the header, got none"),
-    "empty": ("", " expected a log, got an empty file"),
-    "binary": (b"\x89PNG\r\n\x1a\n\0\0", "1: expected UTF-8 text, got byte 0x89"),
-    "zero byte": (V1.replace("game", "ga\0e", 1), "2: expected text, got a zero byte"),
-    "unmarked UTF-16": (V1.encode("utf-16-le"), "1: expected text, got a zero byte"),
-    "cut UTF-16": (b"\xff\xfe" + V1.encode("utf-16-le")[:-1], "expected UTF-16LE text"),
-    "no number": (V1.replace(",0,0.022,3", ",0,0.022,three"), "4: expected a number in column"),
-    "infinite": (V1.replace(",0,0.022,3", ",0,0.022,inf"), "4: expected a finite number in column"),
-    "unsorted": (V1.replace("0.022", "0.002"), "4: expected times that never decrease, got 0.002"),
-    "no time": (V1.replace("0.022", "NA"), "4: expected a time in each row"),
-    "no clock": (V1.replace("TimeInSeconds", "Time"), "1: expected a column with the time"),
-    "open quote": (V1.replace("game.exe", '"game.exe', 1), "2: expected"),
+    "no rows": (lambda log: log.partition("\n")[0], "1: expected rows below the header, got none"),
+    "empty": (lambda _: "", " expected a log, got an empty file"),
+    "binary": (lambda _: b"\x89PNG\r\n\x1a\n\0\0", "1: expected UTF-8 text, got byte 0x89"),
+    "zero byte": (lambda log: log.replace("game", "ga\0e", 1), "2: expected text, got a zero byte"),
+    "unmarked UTF-16": (lambda log: log.encode("utf-16-le"), "1: expected text, got a zero byte"),
+    "cut UTF-16": (
+        lambda log: b"\xff\xfe" + log.encode("utf-16-le")[:-1],
+        "expected UTF-16LE text",
+    ),
+    "no number": (
+        lambda log: log.replace(",0,0.022,3", ",0,0.022,three"),
+        "4: expected a number in column",
+    ),
+    "infinite": (
+        lambda log: log.replace(",0,0.022,3", ",0,0.022,inf"),
+        "4: expected a finite number in column",
+    ),
+    "unsorted": (
+        lambda log: log.replace("0.022", "0.002"),
+        "4: expected times that never decrease, got 0.002",
+    ),
+    "no time": (lambda log: log.replace("0.022", "NA"), "4: expected a time in each row"),
+    "no clock": (
+        lambda log: log.replace("TimeInSeconds", "Time"),
+        "1: expected a column with the time",
+    ),
+    "open quote": (lambda log: log.replace("game.exe", '"game.exe', 1), "2: expected"),
 }
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_broken_files_are_refused(tmp_path: Path, name: str) -> None:
+def test_broken_files_are_refused(tmp_path: Path, name: str, present_logs: dict[str, str]) -> None:
     """Each fault is answered by one line that says where it is and what was expected."""
-    content, start = BROKEN[name]
-    assert start in refusal(tmp_path, content)
+    damage, start = BROKEN[name]
+    assert start in refusal(tmp_path, damage(present_logs["presentmon-v1"]))
 
 
 def test_missing_file(tmp_path: Path) -> None:
@@ -230,10 +272,12 @@ def timings_or_refusal(tmp_path: Path, content: bytes) -> FrameTimings | str:
 @settings(
     max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-@given(data=st.data(), dialect=st.sampled_from(sorted(DIALECTS)))
-def test_damaged_files_never_crash(tmp_path: Path, data: st.DataObject, dialect: str) -> None:
+@given(data=st.data(), dialect=st.sampled_from(DIALECTS))
+def test_damaged_files_never_crash(
+    tmp_path: Path, present_logs: dict[str, str], data: st.DataObject, dialect: str
+) -> None:
     """Whatever bytes are replaced, a file is read or refused, and what is read is consistent."""
-    content = DIALECTS[dialect].encode()
+    content = present_logs[dialect].encode()
     start = data.draw(st.integers(0, len(content)))
     end = data.draw(st.integers(start, min(len(content), start + 40)))
     noise = data.draw(
@@ -299,7 +343,7 @@ STREAMS = [(8320, "15EFD8424E0"), (10792, "20979A6D5F8"), (5988, "224CBFFD9D8"),
 
 @pytest.mark.realdata
 @pytest.mark.parametrize("process_id", [pid for pid, _ in STREAMS] + [1268])
-def test_real_dialects_agree(data_dir: Path, process_id: int) -> None:
+def test_real_dialects_agree(data_dir: Path, process_id: int, expected_timings: Timings) -> None:
     """What is derived of version 1 is what PresentMon itself wrote of the same capture.
 
     Presents are paired by their time; the files' digits allow 0.1 µs, and of sums of them 0.3.
@@ -317,7 +361,7 @@ def test_real_dialects_agree(data_dir: Path, process_id: int) -> None:
         )
     )
     rows = slice(at, at + len(v2))
-    for name in EXPECTED.keys() - {"present_s", "animation_error_ms"}:
+    for name in expected_timings.keys() - {"present_s", "animation_error_ms"}:
         derived, written = getattr(v1, name)[rows], getattr(current, name)
         both = np.isfinite(derived) & np.isfinite(written)
         if name in {"gpu_latency_ms", "gpu_time_ms"}:
@@ -325,7 +369,7 @@ def test_real_dialects_agree(data_dir: Path, process_id: int) -> None:
         elif name != "input_to_photon_ms":  # of which this capture has none
             assert both.sum() >= len(v2) - 6, name
         assert derived[both] == pytest.approx(written[both], abs=3e-4), name
-    for name in EXPECTED.keys() - {"present_s", "until_render_complete_ms"}:
+    for name in expected_timings.keys() - {"present_s", "until_render_complete_ms"}:
         first, second = getattr(v2, name), getattr(current, name)
         both = np.isfinite(first) & np.isfinite(second)
         assert first[both] == pytest.approx(second[both], abs=3e-4), name

@@ -13,24 +13,24 @@ from lodbench.traces.presentmon import read_presentmon
 from lodbench.traces.presentmon_writer import write_presentmon
 from lodbench.traces.timings import FrameTimings, complete_timings
 
-from .presents import CURRENT, EXPECTED
-
 
 @pytest.fixture
-def timings(tmp_path: Path) -> FrameTimings:
+def timings(tmp_path: Path, present_logs: dict[str, str]) -> FrameTimings:
     """Return the hand-worked stream."""
     path = tmp_path / "given.csv"
-    path.write_text(CURRENT)
+    path.write_text(present_logs["presentmon"])
     return read_presentmon(path)
 
 
-def test_hand_worked_stream_comes_back(tmp_path: Path, timings: FrameTimings) -> None:
+def test_hand_worked_stream_comes_back(
+    tmp_path: Path, timings: FrameTimings, expected_timings: dict[str, list[float]]
+) -> None:
     """Every column and the stream are read as they were written."""
     write_presentmon(tmp_path / "out.csv", timings)
     again = read_presentmon(tmp_path / "out.csv")
     assert (again.application, again.process_id, again.swap_chain) == ("game.exe", 7, "0xABC")
     assert again.dropped.tolist() == timings.dropped.tolist()
-    for name, values in EXPECTED.items():
+    for name, values in expected_timings.items():
         assert getattr(again, name) == pytest.approx(values, abs=1e-6, nan_ok=True), name
 
 
@@ -72,14 +72,14 @@ def test_columns_are_those_of_the_real_dialect(
 @pytest.mark.realdata
 @pytest.mark.parametrize("name", ["presentmon-v1.csv", "presentmon-v2.csv", "ocat-metroexodus.csv"])
 def test_real_logs_can_be_turned_into_the_current_dialect(
-    tmp_path: Path, data_dir: Path, name: str
+    tmp_path: Path, data_dir: Path, name: str, expected_timings: dict[str, list[float]]
 ) -> None:
     """A log of another dialect, written in the current one, keeps all that it said."""
     given_log = read_presentmon(data_dir / "logs" / name)
     write_presentmon(tmp_path / "out.csv", given_log)
     again = read_presentmon(tmp_path / "out.csv")
     assert again.dialect == "presentmon"
-    for column in EXPECTED:
+    for column in expected_timings:
         before, after = getattr(given_log, column), getattr(again, column)
         known = np.isfinite(before)
         known[-1] &= column != "displayed_ms"  # which only version 2 has of the last frame

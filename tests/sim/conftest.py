@@ -1,6 +1,9 @@
-"""Runs of the frame pipeline with scripted costs, for tests of what is made of frame logs."""
+"""Fixtures of the simulator: runs of the pipeline with scripted costs."""
+
+from collections.abc import Callable
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from lodbench.models.hardware import Display, DisplayMode
@@ -8,7 +11,7 @@ from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from lodbench.sim.pipeline import Pipeline
 
 
-class Script:
+class _Script:
     """A source of frames whose costs are given."""
 
     def __init__(self, cpu_ns: NDArray[np.int64], gpu_ns: NDArray[np.int64]) -> None:
@@ -19,16 +22,19 @@ class Script:
         return self.costs[frame] if frame < len(self.costs) else None
 
 
-def run_pipeline(
-    mode: DisplayMode, frames: int = 400, seed: int = 1, policy: str = "feedback:gain=0.5,delay=2"
-) -> FrameLog:
-    """Return the log of frames with skewed random costs, a few of them long, on 3 images."""
-    rng = np.random.default_rng(seed)
+@pytest.fixture
+def run_pipeline() -> Callable[..., FrameLog]:
+    """Return a function that runs frames of skewed random costs, a few of them long."""
+    return _run_pipeline
+
+
+def _run_pipeline(mode: DisplayMode, frames: int = 400) -> FrameLog:
+    rng = np.random.default_rng(1)
     cpu_ns = rng.lognormal(np.log(4e6), 0.3, frames).astype(np.int64)
     gpu_ns = rng.lognormal(np.log(9e6), 0.4, frames).astype(np.int64)
     gpu_ns[rng.random(frames) < 0.02] *= 6
     display = Display(mode=mode, refresh_hz=90.0, vrr_min_hz=40.0)
-    pipeline = Pipeline(Script(cpu_ns, gpu_ns), display, 2)
+    pipeline = Pipeline(_Script(cpu_ns, gpu_ns), display, 2)
     pipeline.run()
     times = np.stack([np.array(getattr(pipeline, name)) for name in TIMES], axis=1)
     counts = np.zeros((frames, len(COUNTS)))
@@ -42,5 +48,6 @@ def run_pipeline(
     }
     for name, values in columns.items():
         counts[:, COUNTS.index(name)] = values
+    policy = "feedback:gain=0.5,delay=2"
     header = LogHeader(policy, "scene", "trace", "machine", 10.0, 3, mode, 90.0, 1e9)
     return FrameLog(header, times.astype(np.int64), counts)
