@@ -7,14 +7,14 @@ none, milliseconds.
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..errors import InputError
-from .logtable import LogTable
 from .renderlog import CPU_COUNTS, GPU_COUNTS, TIMES
 
-__all__ = ["ALIASES", "Column", "find_columns", "unit_of"]
+__all__ = ["ALIASES", "MS_PER", "Column", "find_columns", "unit_of"]
 
 MS_PER = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
 
@@ -45,7 +45,10 @@ ALIASES: dict[str, tuple[str, ...]] = {
         *("cpums", "cpubusy", "mscpubusy", "cputime", "cputimems", "cpumainthreadframetime"),
         *("viewportgetmeasuredrendertimecpu",),
     ),
-    "time_s": ("times", "timeinseconds", "elapseds", "elapsed", "timestamp", "time", "t"),
+    "time_s": (
+        *("times", "timeinseconds", "elapseds", "elapsed", "timefromfirstframe", "timestamp"),
+        *("time", "t"),
+    ),
 }
 for _name in (*GPU_COUNTS, *CPU_COUNTS):
     ALIASES.setdefault(_name, (_name.replace("_", ""),))
@@ -65,50 +68,61 @@ class Column:
 
 
 def find_columns(
-    table: LogTable, mapping: Mapping[str, str] | None = None
+    header: Sequence[str],
+    mapping: Mapping[str, str] | None,
+    *,
+    path: Path,
+    line: int | None,
+    twins: bool = False,
 ) -> tuple[tuple[Column, ...], tuple[str, ...]]:
     """Return the columns of a log that are known or mapped, and notes on what was left aside.
+
+    `line` is that of the header; `twins` says that a tool repeats names, so that the first of a
+    name is taken.
 
     Raises
     ------
     InputError
-        If the mapping names what does not exist, or a column that is needed stands twice.
+        If the mapping names what does not exist, a column that is needed stands twice, or none
+        holds a time.
     """
-    _require_known(mapping or {}, table)
+    _require_known(mapping or {}, header, path, line)
     found: list[Column] = []
     notes: list[str] = []
-    keys = [_key(name) for name in table.header]
+    keys = [_keys(name) for name in header]
     for name, aliases in ALIASES.items():
         if mapping and name in mapping:
             sources = [mapping[name]]
         else:
             order = [i for alias in aliases for i, forms in enumerate(keys) if alias in forms]
-            sources = list(dict.fromkeys(table.header[i] for i in order))
+            sources = list(dict.fromkeys(header[i] for i in order))
         if not sources:
             continue
-        if table.header.count(sources[0]) > 1:
-            message = f"expected one column {sources[0]}, got {table.header.count(sources[0])}"
-            line = table.first_line - 1
-            raise InputError(f"{message}; rename or remove one", path=table.path, line=line)
-        index = table.header.index(sources[0])
-        unit = unit_of(sources[0]) if name in (*TIMES, "time_s") else ""
-        found.append(Column(name, index, sources[0], unit))
+        source = sources[0]
+        if header.count(source) > 1 and not twins:
+            message = f"expected one column {source}, got {header.count(source)}"
+            raise InputError(f"{message}; rename or remove one", path=path, line=line)
+        unit = unit_of(source) if name in (*TIMES, "time_s") else ""
+        found.append(Column(name, header.index(source), source, unit))
         if len(sources) > 1:
-            notes.append(f"{name} is {sources[0]}; {', '.join(sources[1:])} left aside")
+            notes.append(f"{name} is {source}; {', '.join(sources[1:])} left aside")
+    if not any(column.name in TIMES for column in found):
+        shown = ", ".join(header[:40]) + (", …" if len(header) > 40 else "")
+        message = f"expected a column with a time ({', '.join(TIMES)}), got {shown}"
+        raise InputError(f"{message}; map one, such as gpu_ms=NAME", path=path, line=line)
     return tuple(found), tuple(notes)
 
 
-def _require_known(mapping: Mapping[str, str], table: LogTable) -> None:
+def _require_known(
+    mapping: Mapping[str, str], header: Sequence[str], path: Path, line: int | None
+) -> None:
     for name, source in mapping.items():
         if name not in ALIASES:
             raise InputError(f"mapping: expected {_listed(ALIASES, name)}, got {name}")
-        if source not in table.header:
-            raise InputError(
-                f"mapping of {name}: expected a column of the log, got {source}; "
-                f"{_listed(table.header, source)}",
-                path=table.path,
-                line=table.first_line - 1,
-            )
+        if source not in header:
+            known = _listed(header, source)
+            message = f"mapping of {name}: expected {known}, got {source}"
+            raise InputError(message, path=path, line=line)
 
 
 def _listed(names: Iterable[str], wrong: str) -> str:
@@ -135,7 +149,7 @@ def unit_of(name: str) -> str:
     return "s" if unit in ("sec", "seconds") else unit
 
 
-def _key(name: str) -> tuple[str, ...]:
+def _keys(name: str) -> tuple[str, ...]:
     """Return the forms of a name that aliases are compared with: as it is, and in ms."""
     plain = re.sub(r"[^0-9a-z]", "", name.lower())
     unit = unit_of(name)

@@ -8,7 +8,7 @@ import csv
 import re
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,14 @@ from ..errors import InputError
 from .renderlog import FloatArray
 from .text_file import read_text
 
-__all__ = ["LogTable", "log_lines", "read_log_bytes", "split_table"]
+__all__ = [
+    "LogTable",
+    "arrow_numbers",
+    "exact_numbers",
+    "log_lines",
+    "read_log_bytes",
+    "split_table",
+]
 
 # What tools write where they measured nothing; a 0 is a number here and judged later.
 MISSING = ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "-")
@@ -37,7 +44,7 @@ class LogTable:
     comments : lines before the header, without their mark
     body : UTF-8, lines ending in ``\n``
     first_line : line of the file on which `body` starts
-    ragged : whether a row may be shorter than the header
+    ragged : whether a row may be shorter or longer than the header
     """
 
     path: Path
@@ -63,8 +70,8 @@ class LogTable:
                 path=self.path,
                 line=max(self.first_line - 1, 1),
             )
-        fast = None if self.ragged else _arrow_numbers(self, columns)
-        return _numbers(self, columns) if fast is None else fast
+        fast = None if self.ragged else arrow_numbers(self, columns)
+        return exact_numbers(self, columns) if fast is None else fast
 
     def texts(self, column: int) -> list[str]:
         """Return a column as text, '' where a ragged row lacks it; raises InputError."""
@@ -82,17 +89,16 @@ class LogTable:
                 yield line, fields
 
     def _fits(self, fields: list[str]) -> bool:
-        width = len(self.header)
-        return len(fields) == width or (self.ragged and len(fields) < width)
+        return self.ragged or len(fields) == len(self.header)
 
     def _misfit(self, fields: list[str], line: int, *, last: bool) -> InputError:
         width, got = len(self.header), len(fields)
-        if got < width and last:
+        if got == 1 and any(mark in fields[0] for mark in _DELIMITERS):
+            hint = f"rows must use the delimiter of the header, {self.delimiter!r}"
+        elif got < width and last:
             hint = "the file is cut off in its last row: remove that row"
         elif got > width and self.delimiter == "," and all(_digits(field) for field in fields):
             hint = "decimal commas? export numbers with a point"
-        elif got == 1:
-            hint = f"rows must use the delimiter of the header, {self.delimiter!r}"
         else:
             hint = "correct or remove the row"
         return InputError(
@@ -156,11 +162,6 @@ def _headed(
     return LogTable(path, header, comments, delimiter, body, first_line)
 
 
-def with_header(table: LogTable, header: tuple[str, ...], body: bytes) -> LogTable:
-    """Return the table under another header, in rows that may be shorter than it."""
-    return replace(table, header=header, body=body, ragged=True)
-
-
 def _fields(text: str, delimiter: str, path: Path, line: int) -> list[str]:
     if '"' not in text:
         return text.split(delimiter)
@@ -185,7 +186,7 @@ def _number(field: str) -> float | None:
         return None
 
 
-def _numbers(table: LogTable, columns: Sequence[int]) -> FloatArray:
+def exact_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray:
     """Return the numbers of a table, row by row; the exact and slow way."""
     values = array("d")
     for line, fields in table.rows():
@@ -205,7 +206,7 @@ def _numbers(table: LogTable, columns: Sequence[int]) -> FloatArray:
     return np.array(values, dtype=np.float64).reshape(-1, len(columns))
 
 
-def _arrow_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray | None:
+def arrow_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray | None:
     """Return the numbers of a table by Arrow, or None where a row is not as it should be."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
