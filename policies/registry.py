@@ -29,6 +29,7 @@ REGISTERED = {
     "static-distance": "static_distance:StaticDistance",
     "static-screen": "static_screen:StaticScreen",
     "feedback": "feedback:Feedback",
+    "funkhouser": "funkhouser:Funkhouser",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
 

@@ -1,0 +1,190 @@
+"""What an optimiser may choose for each object in view: cost and benefit of every alternative.
+
+In a flat scene an object's alternatives are its levels (the knots of a continuous type).  In a
+hierarchy the objects are the roots, and the alternatives of a root are the fronts of uniform depth
+below it.  Column 0 is the finest; a row that has fewer alternatives ends in infinite costs.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..errors import InputError
+from ..models.arrays import BoolArray, FloatArray, IntArray
+from ..models.benefit import BASE_ERROR, level_primitives
+from ..models.cost import CostModel
+from ..models.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
+from ..models.scene import Scene
+from ..models.tree import Tree
+from .view import View
+
+__all__ = ["Choices", "Offer", "make_choices", "require_costs"]
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """Alternatives of one frame.
+
+    Attributes
+    ----------
+    cost_ms : (n, L) float64
+        Marginal GPU time; infinite where a row has no such alternative.
+    benefit : (n, L) float64
+        Size times accuracy times `weight`, summed over the nodes of the alternative.
+    fixed_ms : float
+        GPU time that the frame takes whatever is chosen; an upper bound as to state changes.
+    objects : (n,) int32
+        The candidate of each row.
+    """
+
+    cost_ms: FloatArray
+    benefit: FloatArray
+    fixed_ms: float
+    objects: IntArray
+
+
+class Choices(Protocol):
+    """The alternatives of a scene, from view to selection."""
+
+    def offer(self, view: View, weight: "Weight") -> Offer:
+        """Return the alternatives of a view's candidates."""
+        ...
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen columns of the kept rows."""
+        ...
+
+
+class Weight(Protocol):
+    """Benefit of a node beyond size and accuracy, such as importance times focus."""
+
+    def __call__(self, view: View) -> FloatArray:
+        """Return a factor for each node of the view, (m,)."""
+        ...
+
+
+def require_costs(scene: Scene, policy: str) -> CostModel:
+    """Return the scene's cost model; raise InputError if it has none."""
+    if scene.costs is None:
+        raise InputError(f"{policy}: expected a scene with a cost model; use Scene.with_costs")
+    return scene.costs
+
+
+def make_choices(scene: Scene, costs: CostModel, exponent: float) -> Choices:
+    """Return the alternatives of a scene; accuracy is ``1 - BASE_ERROR / samples^exponent``."""
+    if scene.flat:
+        return _Levels(scene, costs, exponent)
+    return _Fronts(scene, costs, exponent)
+
+
+class _Levels:
+    """Levels of flat scenes, as tables of one row a type."""
+
+    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+        levels = scene.types.levels
+        self._costs = costs
+        self._continuous = levels.continuous
+        kinds, width = len(levels.level_count), int(levels.level_count.max())
+        rows = levels.start[:-1, None] + np.arange(width)
+        real = np.arange(width) < levels.level_count[:, None]
+        rows = np.minimum(rows, levels.start[1:, None] - 1)
+        linear, geometry = costs.level_ms(levels)
+        self._linear_ms = np.where(real, linear[rows], np.inf)
+        self._geometry_ms = geometry[rows]
+        samples = level_primitives(levels)[rows]
+        self._accuracy = _accuracy(samples, exponent)
+        self._resolution = levels.resolution[rows]
+        assert self._linear_ms.shape == (kinds, width)
+
+    def offer(self, view: View, weight: Weight) -> Offer:
+        """Return the levels of a view's candidates."""
+        kind = view.type_index
+        area_px = view.area_px[:, None]
+        cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], area_px)
+        size = (view.area_px * weight(view))[:, None]
+        return Offer(cost_ms, size * self._accuracy[kind], _fixed_ms(self._costs, view), view.ids)
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen columns of the kept rows."""
+        kind = view.type_index
+        detail = np.where(
+            self._continuous[kind], self._resolution[kind, column], column.astype(np.float64)
+        )
+        return (view.ids, detail) if keep.all() else (view.ids[keep], detail[keep])
+
+
+class _Fronts:
+    """Fronts of uniform depth below each root: column c is the front c levels above the deepest."""
+
+    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+        self._scene, self._costs, self._exponent = scene, costs, exponent
+        self._tree = tree = Tree(scene)
+        levels = scene.types.levels
+        linear, geometry = costs.level_ms(levels)
+        row = levels.start[:-1][scene.type_index]
+        self._linear_ms, self._geometry_ms = linear[row], geometry[row]
+        self._accuracy = _accuracy(tree.primitives, exponent)
+        root = np.where(scene.parent < 0, np.arange(len(scene)), -1)
+        for depth in range(1, int(tree.depth.max()) + 1):
+            layer = np.flatnonzero(tree.depth == depth)
+            root[layer] = root[scene.parent[layer]]
+        self._root = root
+        # A node is in the front of depth d if it lies there, or above it and nothing replaces it.
+        self._stays = tree.leaf | scene.additive
+        deepest = np.zeros(len(scene), dtype=np.int32)
+        np.maximum.at(deepest, root, tree.depth)
+        self._deepest = deepest
+        self._width = int(tree.depth.max()) + 1
+
+    def offer(self, view: View, weight: Weight) -> Offer:
+        """Return the fronts below a view's roots, over their nodes in the frustum."""
+        n, width = len(view.ids), self._width
+        row_of = np.full(len(self._scene), -1, dtype=np.int32)
+        row_of[view.ids] = np.arange(n)
+        nodes = np.flatnonzero(view.state.inside & (row_of[self._root] >= 0))
+        seen = view.at(nodes)
+        linear, geometry = self._linear_ms[nodes], self._geometry_ms[nodes]
+        node_ms = self._costs.object_ms(linear, geometry, seen.area_px)
+        gain = seen.area_px * weight(seen) * self._accuracy[nodes]
+        row = row_of[self._root[nodes]]
+        cost_ms, benefit = np.full((n, width), np.inf), np.zeros((n, width))
+        deepest = self._deepest[view.ids]
+        for depth in range(width):
+            member = self._member(nodes, depth)
+            column = deepest - depth
+            has = column >= 0
+            total = np.bincount(row[member], node_ms[member], minlength=n)
+            score = np.bincount(row[member], gain[member], minlength=n)
+            cost_ms[has, column[has]] = total[has]
+            benefit[has, column[has]] = score[has]
+        return Offer(cost_ms, benefit, _fixed_ms(self._costs, view), view.ids)
+
+    def _member(self, nodes: IntArray, depth: int | IntArray) -> BoolArray:
+        at = self._tree.depth[nodes]
+        return (at == depth) | ((at < depth) & self._stays[nodes])
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen fronts of the kept roots."""
+        depth = np.full(len(self._scene), -1, dtype=np.int32)
+        depth[view.ids[keep]] = (self._deepest[view.ids] - column)[keep]
+        wanted = depth[self._root]
+        nodes = np.arange(len(self._scene), dtype=np.int32)
+        ids = nodes[(wanted >= 0) & self._member(nodes, wanted)]
+        finest = self._scene.continuous[ids].astype(np.float64)
+        return ids, finest
+
+
+def _fixed_ms(costs: CostModel, view: View) -> float:
+    fixed_ms = costs.base_ms
+    fixed_ms += view.camera.viewport_px * float(costs.linear_ms[FRAMEBUFFER_PIXELS])
+    change_ms = float(costs.linear_ms[STATE_CHANGES])
+    if change_ms:
+        # In a hierarchy every node may be of a type of its own, and which are drawn is open.
+        types = view.type_index if view.scene.flat else view.scene.type_index[view.state.inside]
+        fixed_ms += change_ms * len(np.unique(types))
+    return fixed_ms
+
+
+def _accuracy(samples: FloatArray, exponent: float) -> FloatArray:
+    return 1.0 - BASE_ERROR / np.maximum(samples, 1.0) ** exponent
