@@ -27,7 +27,7 @@ from ..errors import InputError
 from .logtable import LogTable, split_table
 from .presentmon_clock import present_clock
 from .text_file import read_encoded
-from .timings import FloatArray, FrameTimings, complete_timings
+from .timings import BoolArray, FloatArray, FrameTimings, complete_timings
 
 __all__ = ["is_presentmon", "open_present_table", "read_present_table", "read_presentmon"]
 
@@ -249,7 +249,7 @@ def _numbers(table: LogTable, lines: list[int], chosen: list[int]) -> dict[str, 
     return dict(zip(places, values.T, strict=True))
 
 
-def _dropped(known: dict[str, FloatArray]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _dropped(known: dict[str, FloatArray]) -> BoolArray:
     rows = len(known["present_s"])
     if "dropped" in known:
         return known["dropped"] == 1.0
