@@ -1,16 +1,180 @@
-"""Fixtures shared by all tests."""
+"""Fixtures shared by all tests: the real data's folder, and builders of small things by hand."""
 
 import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+
+from lodbench.models.camera import Camera
+from lodbench.models.cost import CostModel, CpuCostModel
+from lodbench.models.hardware import Display, HardwareProfile, Provenance
+from lodbench.models.levels import LevelTable
+from lodbench.models.predictors import LEVEL_PREDICTORS
+from lodbench.models.residual import Residual
+from lodbench.models.scene import ObjectTypes, Scene
+from lodbench.policies.view import Completed, FrameState, View
+from lodbench.sim.frustum import Culler
+from lodbench.traces.camera import CameraTrace
+
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # looks along -z, x to the right and y up
 
 
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
-    """The folder of real data; the test is skipped only where it is absent."""
+    """Return the folder of real data; the test is skipped only where it is absent."""
     named = os.environ.get("LODBENCH_DATA")
     folder = Path(named) if named else Path(__file__).parents[1].parent / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(f"real data not found: no folder {folder.name}; set LODBENCH_DATA")
     return folder
+
+
+def build_levels(
+    triangles: Sequence[Sequence[float]] = ((1000.0, 250.0, 50.0),),
+    *,
+    error_m: Sequence[Sequence[float]] | None = None,
+    continuous: bool | Sequence[bool] = False,
+    draw_calls: float = 1.0,
+) -> LevelTable:
+    """Build levels from chains of triangles; level i errs by i decimetres unless told."""
+    errors = error_m or [[0.1 * i for i in range(len(chain))] for chain in triangles]
+    flat = np.concatenate([np.asarray(chain, dtype=np.float64) for chain in triangles])
+    counts = np.zeros((len(flat), len(LEVEL_PREDICTORS)))
+    counts[:, LEVEL_PREDICTORS.index("triangles")] = flat
+    counts[:, LEVEL_PREDICTORS.index("draw_calls")] = draw_calls
+    return LevelTable(
+        np.cumsum([0, *(len(chain) for chain in triangles)]),
+        counts,
+        np.concatenate([np.asarray(chain, dtype=np.float64) for chain in errors]),
+        36.0 * flat,
+        np.broadcast_to(np.asarray(continuous), (len(triangles),)),
+    )
+
+
+def build_scene(
+    position_m: Any,
+    *,
+    kind: Any = 0,
+    radius_m: Any = 1.0,
+    center_m: Any = (0.0, 0.0, 0.0),
+    scale: Any = 1.0,
+    orientation_xyzw: Any = UPRIGHT,
+    importance: Any = 1.0,
+    parent: Any = -1,
+    additive: Any = False,
+    levels: LevelTable | None = None,
+    **more: Any,
+) -> Scene:
+    """Build a scene of nodes at the given positions; single values stand for all nodes or types."""
+    table = levels or build_levels()
+    types = len(table.start) - 1
+    n = len(position_m)
+
+    def each(value: Any, *shape: int) -> Any:
+        return np.broadcast_to(np.asarray(value), shape)
+
+    names = tuple(f"type-{k}" for k in range(types))
+    return Scene(
+        "by-hand",
+        ObjectTypes(names, each(center_m, types, 3), each(radius_m, types), table),
+        each(kind, n),
+        np.asarray(position_m, dtype=np.float64),
+        each(orientation_xyzw, n, 4),
+        each(scale, n),
+        each(importance, n),
+        each(parent, n),
+        each(additive, n),
+        **more,
+    )
+
+
+def build_hardware(
+    linear: Mapping[str, float] | None = None,
+    *,
+    base_ms: float = 1.0,
+    roofline: Mapping[str, float] | None = None,
+    cpu: Mapping[str, float] | None = None,
+    cpu_base_ms: float = 0.5,
+    frames_in_flight: int = 2,
+    residual: Residual | None = None,
+    **display: Any,
+) -> HardwareProfile:
+    """Build a machine of 100 x 100 px without noise; one microsecond a triangle unless told."""
+    return HardwareProfile(
+        "by-hand",
+        Provenance("assumed by a test", assumed=True),
+        CostModel.of(base_ms, {"triangles": 1e-3} if linear is None else linear, roofline),
+        CpuCostModel.of(cpu_base_ms, cpu or {}),
+        residual or Residual(),
+        display=replace(Display(width_px=100, height_px=100), **display),
+        frames_in_flight=frames_in_flight,
+    )
+
+
+def build_trace(
+    position_m: Any = ((0.0, 0.0, 0.0),), *, time_s: Any = None, orientation_xyzw: Any = UPRIGHT
+) -> CameraTrace:
+    """Build a trace through the given positions, one second apart unless told."""
+    n = len(position_m)
+    return CameraTrace(
+        "by-hand",
+        np.arange(n, dtype=np.float64) if time_s is None else np.asarray(time_s),
+        np.asarray(position_m, dtype=np.float64),
+        np.broadcast_to(np.asarray(orientation_xyzw), (n, 4)),
+        np.zeros(n, dtype=np.bool_),
+    )
+
+
+def build_view(
+    scene: Scene,
+    camera: Camera | None = None,
+    *,
+    detail: Any = np.nan,
+    work_ms: Sequence[float] = (),
+    **state: Any,
+) -> View:
+    """Build what a policy sees of a scene at rest, with past details and reported work times."""
+    camera = camera or Camera((0.0, 0.0, 0.0), UPRIGHT, 100, 100, np.pi / 2)
+    centers_m = np.ascontiguousarray(scene.center_m.T)
+    culler = Culler(scene.radius_m)
+    ids, xyz_m = culler.cull(centers_m, camera)
+    times = np.repeat(np.asarray(work_ms, dtype=np.float64)[:, None], 4, axis=1)
+    last = np.broadcast_to(np.asarray(detail, dtype=np.float64), (len(scene),))
+    seen = FrameState(
+        scene, camera, centers_m, len(times), 0, last, Completed(times, len(times)), culler.inside
+    )
+    return View(replace(seen, **state), ids, xyz_m)
+
+
+@pytest.fixture(scope="session")
+def make_levels() -> Callable[..., LevelTable]:
+    """Return `build_levels`."""
+    return build_levels
+
+
+@pytest.fixture(scope="session")
+def make_scene() -> Callable[..., Scene]:
+    """Return `build_scene`."""
+    return build_scene
+
+
+@pytest.fixture(scope="session")
+def make_hardware() -> Callable[..., HardwareProfile]:
+    """Return `build_hardware`."""
+    return build_hardware
+
+
+@pytest.fixture(scope="session")
+def make_trace() -> Callable[..., CameraTrace]:
+    """Return `build_trace`."""
+    return build_trace
+
+
+@pytest.fixture(scope="session")
+def make_view() -> Callable[..., View]:
+    """Return `build_view`."""
+    return build_view
