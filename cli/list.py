@@ -101,8 +101,13 @@ def _scenes() -> Iterator[Item]:
 
 
 def _traces() -> Iterator[Item]:
+    from ..analysis.inputs import BUNDLED_TRACE
     from ..traces.generate import KINDS
+    from ..traces.tour import EYE_M, TURN_DEG_S
 
+    # The tour crosses any scene in the same time.
+    tour = {"speed_m_s": None, "turn_deg_s": TURN_DEG_S, "height_m": EYE_M}
+    yield {"name": BUNDLED_TRACE, **tour}
     for name, kind in KINDS.items():
         yield {
             "name": name,
@@ -189,8 +194,10 @@ def _label(key: str) -> str:
     return key.replace("_", " ")
 
 
-def _show(value: float | str | list[str]) -> str:
+def _show(value: float | str | list[str] | None) -> str:
     match value:
+        case None:
+            return "by scene"
         case bool():
             return "yes" if value else "no"
         case float():

@@ -28,6 +28,16 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
+    "compare": Command(
+        "compare",
+        "compare",
+        "Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which.",
+    ),
+    "report": Command(
+        "report",
+        "report",
+        "Write DIR/report.html again from comparison.json and the frame logs beside it.",
+    ),
     "export": Command(
         "export",
         "export",
