@@ -30,23 +30,19 @@ def build_log(
     values
         (n, len(columns)), in the units of the file.
     """
-    said = list(notes)
-    times: dict[str, FloatArray] = {}
-    counts: dict[str, FloatArray] = {}
-    clock: tuple[Column, FloatArray] | None = None
-    for column, value in zip(columns, values.T, strict=True):
-        if column.name in TIMES:
-            times[column.name] = _scaled(value, MS_PER[column.unit or "ms"])
-            stated = column.unit or "ms, since its name has no unit"
-            said.append(f"{column.name} is {column.source} in {stated}")
-        elif column.name == "time_s":
-            clock = column, value
-        else:
-            counts[column.name] = value
-    if clock is not None:
-        unit = clock[0].unit or _clock_unit(clock[1], times.get("frame_ms"))
-        times["time_s"] = _scaled(clock[1], MS_PER[unit] / 1e3)
-        said.append(f"time_s is {clock[0].source} in {unit}")
+    held = dict(zip(columns, values.T, strict=True))
+    times = {
+        column.name: _scaled(value, MS_PER[column.unit or "ms"])
+        for column, value in held.items()
+        if column.name in TIMES
+    }
+    said = [f"{c.name} is {c.source} in {_stated(c)}" for c in columns if c.name in TIMES]
+    for column, value in held.items():
+        if column.name == "time_s":
+            unit = column.unit or _clock_unit(value, times.get("frame_ms"))
+            times["time_s"] = _scaled(value, MS_PER[unit] / 1e3)
+            said.append(f"time_s is {column.source} in {unit}")
+    counts = {column.name: value for column, value in held.items() if column.name not in times}
     pixels = _pixels(header)
     if pixels:
         counts.setdefault("framebuffer_pixels", np.full(len(values), pixels))
@@ -60,8 +56,12 @@ def build_log(
         cpu_ms=times.get("cpu_ms"),
         time_s=times.get("time_s"),
         header=header,
-        notes=tuple(said),
+        notes=(*notes, *said),
     )
+
+
+def _stated(column: Column) -> str:
+    return column.unit or "ms, since its name has no unit"
 
 
 def _scaled(values: FloatArray, factor: float) -> FloatArray:

@@ -257,3 +257,15 @@ def test_writing_is_all_or_nothing(tmp_path: Path):
     with pytest.raises(InputError, match="expected a writable path"):
         write_profile(profile, blocked)
     assert sorted(item.name for item in tmp_path.iterdir()) == ["folder", "out.toml"]
+
+
+def test_the_documented_example_is_a_profile():
+    """The file shown in docs/hardware.md is read as it says."""
+    page = Path(__file__).parents[2] / "docs" / "hardware.md"
+    example = page.read_text(encoding="utf-8").split("```toml\n")[1].split("```")[0]
+    profile = parse_profile(example)
+    assert profile.name == "my-machine"
+    assert profile.gpu.has_roofline
+    assert profile.gpu_residual.correlation == 0.9
+    assert profile.posterior is not None
+    assert len(profile.posterior) == 2
