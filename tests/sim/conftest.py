@@ -1,10 +1,10 @@
 """Fixtures of the simulator: runs of the pipeline with scripted costs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from lodbench.models.hardware import Display, DisplayMode
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
@@ -14,8 +14,8 @@ from lodbench.sim.pipeline import Pipeline
 class _Script:
     """A source of frames whose costs are given."""
 
-    def __init__(self, cpu_ns: NDArray[np.int64], gpu_ns: NDArray[np.int64]) -> None:
-        self.costs = list(zip(cpu_ns.tolist(), gpu_ns.tolist(), strict=True))
+    def __init__(self, cpu_ns: Sequence[int], gpu_ns: Sequence[int]) -> None:
+        self.costs = list(zip(cpu_ns, gpu_ns, strict=True))
 
     def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
         """Return the costs of a frame, None after the last."""
@@ -34,7 +34,7 @@ def _run_pipeline(mode: DisplayMode, frames: int = 400) -> FrameLog:
     gpu_ns = rng.lognormal(np.log(9e6), 0.4, frames).astype(np.int64)
     gpu_ns[rng.random(frames) < 0.02] *= 6
     display = Display(mode=mode, refresh_hz=90.0, vrr_min_hz=40.0)
-    pipeline = Pipeline(_Script(cpu_ns, gpu_ns), display, 2)
+    pipeline = Pipeline(_Script(cpu_ns.tolist(), gpu_ns.tolist()), display, 2)
     pipeline.run()
     times = np.stack([np.array(getattr(pipeline, name)) for name in TIMES], axis=1)
     counts = np.zeros((frames, len(COUNTS)))
@@ -51,3 +51,17 @@ def _run_pipeline(mode: DisplayMode, frames: int = 400) -> FrameLog:
     policy = "feedback:gain=0.5,delay=2"
     header = LogHeader(policy, "scene", "trace", "machine", 10.0, 3, mode, 90.0, 1e9)
     return FrameLog(header, times.astype(np.int64), counts)
+
+
+@pytest.fixture(scope="session")
+def run_frames() -> Callable[..., Pipeline]:
+    """Return a function that runs frames of given CPU and GPU nanoseconds to the end."""
+    return _run_frames
+
+
+def _run_frames(
+    cpu_ns: Sequence[int], gpu_ns: Sequence[int], frames_in_flight: int = 2, **display: Any
+) -> Pipeline:
+    pipeline = Pipeline(_Script(cpu_ns, gpu_ns), Display(**display), frames_in_flight)
+    pipeline.run()
+    return pipeline
