@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import FloatArray, IntArray
+from .arrays import BoolArray, FloatArray, IntArray
 
 __all__ = [
     "Choice",
@@ -51,11 +51,19 @@ class Increments:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A selection: a column for each object, and the sums of its cost and benefit."""
+    """A selection.
+
+    Attributes
+    ----------
+    column : (n,) int, chosen for each object
+    cost, benefit : float, their sums
+    taken : (k,) bool, the increments that lead from the base to it
+    """
 
     column: IntArray
     cost: float
     benefit: float
+    taken: BoolArray
 
 
 def hull_increments(cost: FloatArray, benefit: FloatArray) -> Increments:
@@ -150,7 +158,7 @@ def take_increments(increments: Increments, budget: float, *, skip_misfits: bool
     column[increments.owner[order]] = increments.column[order]  # the last write is the finest
     cost = increments.base_cost + float(increments.cost[taken].sum())
     benefit = increments.base_benefit + float(increments.benefit[taken].sum())
-    return Choice(column, cost, benefit)
+    return Choice(column, cost, benefit, taken)
 
 
 def _still_possible(increments: Increments, rest: IntArray, left: float) -> IntArray:
@@ -163,8 +171,8 @@ def _still_possible(increments: Increments, rest: IntArray, left: float) -> IntA
 
 def best_single(
     cost: FloatArray, benefit: FloatArray, increments: Increments, budget: float
-) -> Choice:
-    """Return the base with the one change to one object that fits and gains most.
+) -> tuple[IntArray, float]:
+    """Return columns and benefit of the base with the one change that fits and gains most.
 
     The better of this and `take_increments` has at least half of the optimum's gain over the base:
     what the pass took and the increment that did not fit together exceed the relaxation's gain.
@@ -177,13 +185,9 @@ def best_single(
     owner, to = divmod(best, cost.shape[1])
     column = increments.base.copy()
     if gain[owner, to] <= 0.0:
-        return Choice(column, increments.base_cost, increments.base_benefit)
+        return column, increments.base_benefit
     column[owner] = to
-    return Choice(
-        column,
-        increments.base_cost + float(more_cost[owner, to]),
-        increments.base_benefit + float(gain[owner, to]),
-    )
+    return column, increments.base_benefit + float(gain[owner, to])
 
 
 def relaxed_bound(increments: Increments, budget: float) -> float:

@@ -137,8 +137,8 @@ class Funkhouser:
             return improve_incrementally(cost_ms, benefit, budget_ms, start, self.max_steps)
         increments = hull_increments(cost_ms, benefit)
         choice = take_increments(increments, budget_ms, skip_misfits=self.misfit == "skip")
-        single = best_single(cost_ms, benefit, increments, budget_ms)
-        return (single if single.benefit > choice.benefit else choice).column, 0
+        single, single_benefit = best_single(cost_ms, benefit, increments, budget_ms)
+        return (single if single_benefit > choice.benefit else choice.column), 0
 
 
 def _with_nothing(

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
+from ..models.cost import CostModel
 from ..models.scene import Scene
 from .selection import Selection
 from .view import View
 
-__all__ = ["Capabilities", "Policy", "why_not_applicable"]
+__all__ = ["Capabilities", "Oracle", "Policy", "Truth", "why_not_applicable"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,31 @@ class Policy(Protocol):
 
     def select(self, view: View) -> Selection:
         """Return what to draw of the candidates in this frame."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What an oracle is told of the frame about to be drawn, and no policy may know.
+
+    Attributes
+    ----------
+    costs : CostModel
+        The cost model that the replay takes for true.
+    gpu_factor : float
+        Noise by which the frame's GPU time will be multiplied.
+    """
+
+    costs: CostModel
+    gpu_factor: float
+
+
+@runtime_checkable
+class Oracle(Policy, Protocol):
+    """A policy with the capability `future`: it is told the truth before each `select`."""
+
+    def foresee(self, truth: Truth) -> None:
+        """Note the truth about the next frame."""
         ...
 
 

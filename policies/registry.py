@@ -30,6 +30,7 @@ REGISTERED = {
     "static-screen": "static_screen:StaticScreen",
     "feedback": "feedback:Feedback",
     "funkhouser": "funkhouser:Funkhouser",
+    "oracle": "oracle:Oracle",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
 

@@ -13,11 +13,12 @@ from ..models.hardware import HardwareProfile
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
 from ..models.tree import Tree
-from ..policies.protocol import Policy
+from ..policies.protocol import Oracle, Policy, Truth
 from ..policies.selection import Selection, find_violation
 from ..policies.view import FrameState, View
 from ..traces.camera import CameraTrace
 from .accounting import Accounting, Tally
+from .bound import BenefitBound
 from .extraction import Extraction, IndexSets
 from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
@@ -54,6 +55,9 @@ class ReplayOptions:
         Frames, beyond its completion, until a frame's timer is read (GPU timer queries).
     faults : Faults
         What the timers get wrong.
+    bound_every : int
+        Compute the bound behind `optimality` in every so many frames, 0 for never; flat scenes
+        only.  Frames of an oracle are always held against it.
     draw : int or None
         Posterior draw that plays the truth; None for the profile's mean.
     """
@@ -65,6 +69,7 @@ class ReplayOptions:
     crossfade_ms: float = 0.0
     measurement_delay: int = 0
     faults: Faults = field(default_factory=Faults)
+    bound_every: int = 0
     draw: int | None = None
 
     def __post_init__(self) -> None:
@@ -78,6 +83,8 @@ class ReplayOptions:
             raise InputError(
                 f"measurement delay: expected 0 to 16 frames, got {self.measurement_delay}"
             )
+        if self.bound_every < 0:
+            raise InputError(f"bound_every: expected frames >= 0, got {self.bound_every}")
         if self.seed < 0:
             raise InputError(f"seed: expected an integer >= 0, got {self.seed}")
 
@@ -129,6 +136,7 @@ class _Source:
         self._rest_m.flags.writeable = False
         self._culler = Culler(scene.radius_m)
         truth, scatter = hardware.truth(options.draw)
+        self._truth = truth
         crossfade_ns = round(options.crossfade_ms * _NS_PER_MS)
         self._accounting = Accounting(scene, truth, crossfade_ns, self._camera(0.0))
         self._tree = None if scene.flat else Tree(scene)
@@ -137,6 +145,8 @@ class _Source:
         else:
             self._fronts = Fronts(self._tree, self._accounting.viewport_px)
             self._quality = TreeQuality(self._tree)
+        every = 1 if policy.capabilities.future else options.bound_every
+        self._bound = BenefitBound(self._scene, truth, every)
         self._index_sets = IndexSets(scene)
         self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
         self._memory_bytes = float(scene.types.levels.bytes.sum())
@@ -182,10 +192,11 @@ class _Source:
         if self._tree is not None:
             roots = self._scene.roots
             view = view.at(roots[self._culler.inside[roots]])
-        selection = self._select(view)
+        gpu_factor = self._gpu_noise.next()
+        selection = self._select(view, Truth(self._truth, gpu_factor))
         self._previous, self._previous_camera = selection, camera
         self._previous_s = time_s
-        return self._record(view, selection)
+        return self._record(view, selection, gpu_factor)
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
@@ -209,8 +220,10 @@ class _Source:
         centers_m[:, motion.node] += motion.offset_m(time_s).T
         return centers_m
 
-    def _select(self, view: View) -> Selection:
+    def _select(self, view: View, truth: Truth) -> Selection:
         try:
+            if isinstance(self._policy, Oracle) and self._policy.capabilities.future:
+                self._policy.foresee(truth)
             selection = self._policy.select(view)
         except Exception as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
@@ -219,7 +232,7 @@ class _Source:
             raise PolicyError(self._name, view.frame, violation)
         return selection
 
-    def _record(self, view: View, selection: Selection) -> tuple[int, int]:
+    def _record(self, view: View, selection: Selection, gpu_factor: float) -> tuple[int, int]:
         accounting = self._accounting
         if self._tree is not None:
             selection = _culled(selection, self._culler.inside)
@@ -237,7 +250,7 @@ class _Source:
             raise PolicyError(self._name, view.frame, str(error)) from error
         select_ms, cpu_ms = self._cpu_ms(selection, tally, extraction)
         cpu_ms *= self._cpu_noise.next()
-        gpu_ms = tally.gpu_ms * self._gpu_noise.next()
+        gpu_ms = tally.gpu_ms * gpu_factor
         work, position = selection.work, view.camera.position_m
         self._counts.extend(tally.level_counts.tolist())
         self._counts.extend(
@@ -267,7 +280,7 @@ class _Source:
                 sse_px_max,
                 quality.benefit,
                 quality.full_benefit,
-                math.nan,
+                self._bound.of(view, tally.gpu_ms),
                 quality.degradation,
                 quality.full_degradation,
                 self._memory_bytes,

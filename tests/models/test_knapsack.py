@@ -103,7 +103,7 @@ def test_ratio_order_has_no_bound_but_the_single_increment_mends_it() -> None:
     benefit = np.array([[0.02, 0.0], [1.0, 0.0]])
     increments = hull_increments(cost, benefit)
     assert take_increments(increments, 100.0, skip_misfits=True).benefit == pytest.approx(0.02)
-    assert best_single(cost, benefit, increments, 100.0).benefit == pytest.approx(1.0)
+    assert best_single(cost, benefit, increments, 100.0)[1] == pytest.approx(1.0)
     assert brute_force(cost, benefit, 100.0) == 1.0
 
 
@@ -115,15 +115,16 @@ def test_choices_are_what_they_say_and_at_least_half_optimal(
     cost, benefit, budget = instance
     rows = np.arange(len(cost))
     increments = hull_increments(cost, benefit)
-    single = best_single(cost, benefit, increments, budget)
+    single, single_benefit = best_single(cost, benefit, increments, budget)
+    assert single_benefit == pytest.approx(benefit[rows, single].sum())
+    assert cost[rows, single].sum() <= budget + 1e-9
     optimum = brute_force(cost, benefit, budget)
     for skip in (False, True):
         choice = take_increments(increments, budget, skip_misfits=skip)
-        for found in (choice, single):
-            assert found.cost == pytest.approx(cost[rows, found.column].sum())
-            assert found.benefit == pytest.approx(benefit[rows, found.column].sum())
+        assert choice.cost == pytest.approx(cost[rows, choice.column].sum())
+        assert choice.benefit == pytest.approx(benefit[rows, choice.column].sum())
         assert choice.cost <= budget + 1e-9
-        best = max(choice.benefit, single.benefit)
+        best = max(choice.benefit, single_benefit)
         base = increments.base_benefit
         assert 2.0 * (best - base) >= optimum - base - 1e-9
     assert relaxed_bound(increments, budget) >= optimum - 1e-9
