@@ -128,6 +128,8 @@ class _Source:
         name: str,
     ) -> None:
         self._policy, self._name = policy, name
+        sees = policy.capabilities.future and isinstance(policy, Oracle)
+        self._oracle = policy if sees else None
         self._scene = scene.with_costs(hardware.gpu)
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
@@ -222,8 +224,8 @@ class _Source:
 
     def _select(self, view: View, truth: Truth) -> Selection:
         try:
-            if isinstance(self._policy, Oracle) and self._policy.capabilities.future:
-                self._policy.foresee(truth)
+            if self._oracle is not None:
+                self._oracle.foresee(truth)
             selection = self._policy.select(view)
         except Exception as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
