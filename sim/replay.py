@@ -128,8 +128,7 @@ class _Source:
         name: str,
     ) -> None:
         self._policy, self._name = policy, name
-        sees = policy.capabilities.future and isinstance(policy, Oracle)
-        self._oracle = policy if sees else None
+        self._oracle = policy if isinstance(policy, Oracle) and policy.capabilities.future else None
         self._scene = scene.with_costs(hardware.gpu)
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
