@@ -30,6 +30,9 @@ REGISTERED = {
     "static-screen": "static_screen:StaticScreen",
     "feedback": "feedback:Feedback",
     "funkhouser": "funkhouser:Funkhouser",
+    "gobbetti": "gobbetti:Gobbetti",
+    "wimmer": "wimmer:Wimmer",
+    "peng": "peng:Peng",
     "oracle": "oracle:Oracle",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
