@@ -1,6 +1,8 @@
 """What a policy decides for one frame, and the check that the simulator makes of it."""
 
+import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +47,8 @@ class Selection:
         extracts for itself.
     predicted_ms : float
         GPU time that a predictive policy expects; NaN if it predicts none.
+    wanted : (w,) int32, optional
+        Nodes that the loader is to have in memory, by falling priority; None keeps the last list.
     """
 
     ids: IntArray
@@ -52,6 +56,7 @@ class Selection:
     work: Work = field(default_factory=Work)
     holder: IntArray | None = None
     predicted_ms: float = float("nan")
+    wanted: IntArray | None = None
 
 
 def find_violation(
@@ -59,25 +64,50 @@ def find_violation(
 ) -> str | None:
     """Return why a selection breaks its contract, or None; nothing is ever repaired.
 
-    The common case, one detail for every candidate in the view's own order, costs two reductions.
+    The common case, one detail for every candidate in the view's own order, is the cheapest.
     """
     if not isinstance(selection, Selection):
         return f"expected a Selection, got {type(selection).__name__}"
-    ids, detail = selection.ids, selection.detail
-    for name, array, kind in (("ids", ids, "i"), ("detail", detail, "f")):
-        if not isinstance(array, np.ndarray) or array.ndim != 1:  # pyright: ignore[reportUnnecessaryIsInstance] - a user's policy may return anything
-            return f"{name}: expected a one-dimensional numpy array, got {type(array).__name__}"
-        if array.dtype.kind != kind:
-            expected = "integers" if kind == "i" else "floats"
-            return f"{name}: expected {expected}, got {array.dtype}"
-    if len(ids) != len(detail):
-        return f"detail: expected {len(ids)} values as in ids, got {len(detail)}"
-    if len(ids) == 0:
-        return None
+    ids, detail, holder = selection.ids, selection.detail, selection.holder
+    wrong = (
+        _wrong_array("ids", ids, "i", None)
+        or _wrong_array("detail", detail, "f", len(ids))
+        or (None if holder is None else _wrong_array("holder", holder, "i", len(ids)))
+        or _wrong_numbers(selection.work, selection.predicted_ms)
+        or (None if selection.wanted is None else _wrong_wanted(selection.wanted, scene))
+    )
+    if wrong or len(ids) == 0:
+        return wrong
     wrong = _wrong_ids(ids, candidates, scene) or _wrong_detail(ids, detail, scene)
+    if wrong is None and holder is not None:
+        wrong = _wrong_holder(ids, holder, scene)
     if wrong is None and tree is not None and (twice := tree.drawn_twice(ids)) >= 0:
         return f"ids: expected a front, got node {twice} below another that replaces it"
     return wrong
+
+
+def _wrong_array(name: str, array: Any, kind: str, length: int | None) -> str | None:
+    got = type(array).__name__
+    if not isinstance(array, np.ndarray) or array.ndim != 1:
+        return f"{name}: expected a one-dimensional numpy array, got {got}"
+    if array.dtype.kind != kind or (kind == "f" and array.dtype.itemsize != 8):
+        expected = "integers" if kind == "i" else "float64"
+        return f"{name}: expected {expected}, got {array.dtype}"
+    if length is not None and array.size != length:
+        return f"{name}: expected {length} values as in ids, got {array.size}"
+    return None
+
+
+def _wrong_numbers(work: object, predicted_ms: object) -> str | None:
+    if not isinstance(work, Work):
+        return f"work: expected a Work, got {type(work).__name__}"
+    for name in ("objects_visited", "comparisons", "iterations"):
+        count: object = getattr(work, name)
+        if not isinstance(count, (int, float, np.number)) or not 0 <= count < math.inf:
+            return f"work: expected a finite number of {name} >= 0, got {count}"
+    if not isinstance(predicted_ms, (int, float, np.number)) or predicted_ms < 0:
+        return f"predicted_ms: expected milliseconds >= 0 or NaN, got {predicted_ms}"
+    return None
 
 
 def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
@@ -93,6 +123,29 @@ def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
         seen[candidates] = False
         if seen.any():
             return f"ids: expected candidates of the view, got node {int(seen.argmax())}"
+    return None
+
+
+def _wrong_holder(ids: IntArray, holder: IntArray, scene: Scene) -> str | None:
+    if int(holder.min()) < 0 or int(holder.max()) >= len(scene):
+        low, high = int(holder.min()), int(holder.max())
+        return f"holder: expected 0 to {len(scene) - 1}, got {low} to {high}"
+    other = scene.type_index[holder] != scene.type_index[ids]
+    if other.any():
+        at = int(other.argmax())
+        return f"holder of node {ids[at]}: expected its type, got node {holder[at]} of another type"
+    return None
+
+
+def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
+    if not isinstance(wanted, np.ndarray) or wanted.ndim != 1 or wanted.dtype.kind != "i":  # pyright: ignore[reportUnnecessaryIsInstance] - a user's policy may return anything
+        return "wanted: expected a one-dimensional array of integers"
+    if len(wanted) == 0:
+        return None
+    if int(wanted.min()) < 0 or int(wanted.max()) >= len(scene):
+        return f"wanted: expected 0 to {len(scene) - 1}, got {wanted.min()} to {wanted.max()}"
+    if len(np.unique(wanted)) != len(wanted):
+        return "wanted: expected distinct nodes, got a node twice"
     return None
 
 
