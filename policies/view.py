@@ -1,10 +1,12 @@
 """What a policy sees of one frame: read-only, and never the future."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.camera import Camera, eccentricity_deg, projected_area_px
@@ -12,6 +14,8 @@ from ..models.scene import Scene
 from .selection import Selection
 
 __all__ = ["Completed", "FrameState", "View"]
+
+_Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 class Completed:
@@ -30,7 +34,8 @@ class Completed:
 
     def __init__(self, times: FloatArray, count: int) -> None:
         """Wrap the first `count` rows of (n, 4) times: cpu, gpu, work, present."""
-        self._times = times
+        self._times = times.view()
+        self._times.flags.writeable = False
         self._count = count
 
     def __len__(self) -> int:
@@ -91,6 +96,8 @@ class FrameState:
         Camera of the last frame, `step_s` seconds earlier.
     residency : (N,) bool or None
         Nodes whose data are in memory; None where nothing is streamed.
+    previous_centers_m : (3, N) float64 or None
+        Centres in the last frame; None where no node moves.
     """
 
     scene: Scene
@@ -105,12 +112,37 @@ class FrameState:
     previous_camera: Camera | None = None
     step_s: float = 0.0
     residency: BoolArray | None = None
+    previous_centers_m: FloatArray | None = None
+
+
+class _PerNode(Generic[_Array]):
+    """An array that is computed when first asked for, then kept, read-only.
+
+    `functools.cached_property` takes a lock at that time in Python 3.11, which costs more than
+    some of these arrays.
+    """
+
+    def __init__(self, compute: Callable[[Any], _Array]) -> None:
+        self._compute, self._name = compute, compute.__name__
+        self.__doc__ = compute.__doc__
+
+    @overload
+    def __get__(self, view: None, owner: type) -> "_PerNode[_Array]": ...
+    @overload
+    def __get__(self, view: "View", owner: type) -> _Array: ...
+    def __get__(self, view: "View | None", owner: type) -> "_PerNode[_Array] | _Array":
+        if view is None:
+            return self
+        array = self._compute(view)
+        array.flags.writeable = False
+        view.__dict__[self._name] = array  # found before this descriptor from now on
+        return array
 
 
 class View:
     """Candidates of one frame and what can be known about them.
 
-    Per-node arrays are aligned with `ids`, computed when first asked for, and not to be written.
+    Per-node arrays are read-only, aligned with `ids` and computed when first asked for.
 
     Attributes
     ----------
@@ -131,7 +163,7 @@ class View:
 
     def at(self, ids: IntArray) -> "View":
         """Return the same frame seen at other nodes, such as children of the roots."""
-        return View(self.state, ids, self.camera.to_camera(self.state.centers_m[:, ids]))
+        return View(self.state, ids, self.camera.to_camera(self.state.centers_m.take(ids, axis=1)))
 
     @property
     def scene(self) -> Scene:
@@ -163,17 +195,17 @@ class View:
         """The policy's own last selection."""
         return self.state.previous
 
-    @cached_property
+    @_PerNode
     def type_index(self) -> IntArray:
         """Type of each node, (m,)."""
-        return self.state.scene.type_index[self.ids]
+        return self.state.scene.type_index.take(self.ids)
 
-    @cached_property
+    @_PerNode
     def radius_m(self) -> FloatArray:
         """Radius of each bounding sphere, (m,)."""
-        return self.state.scene.radius_m[self.ids]
+        return self.state.scene.radius_m.take(self.ids)
 
-    @cached_property
+    @_PerNode
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
         x, y, z = self.xyz_m
@@ -182,47 +214,50 @@ class View:
         square += z * z
         return np.sqrt(square, out=square)
 
-    @cached_property
+    @_PerNode
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
         gap = self.distance_m - self.radius_m
         return np.maximum(gap, self.camera.near_m, out=gap)
 
-    @cached_property
+    @_PerNode
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
         return projected_area_px(self.xyz_m[2], self.distance_m, self.radius_m, self.camera)
 
-    @cached_property
+    @_PerNode
     def eccentricity_deg(self) -> FloatArray:
         """Angle between the view axis and each centre, (m,)."""
         return eccentricity_deg(self.xyz_m[2], self.distance_m)
 
-    @cached_property
+    @_PerNode
     def speed_deg_s(self) -> FloatArray:
         """Apparent angular speed of each centre since the last frame, (m,); 0 in the first."""
         before, step_s = self.state.previous_camera, self.state.step_s
         if before is None or step_s <= 0.0:
             return np.zeros(len(self.ids))
-        old = before.to_camera(self.state.centers_m[:, self.ids])
+        centers_m = self.state.previous_centers_m
+        if centers_m is None:
+            centers_m = self.state.centers_m
+        old = before.to_camera(centers_m.take(self.ids, axis=1))
         sine = np.linalg.norm(np.cross(old, self.xyz_m, axis=0), axis=0)
         cosine = np.einsum("ij,ij->j", old, self.xyz_m)
         return np.degrees(np.arctan2(sine, cosine)) / step_s
 
-    @cached_property
+    @_PerNode
     def previous_detail(self) -> FloatArray:
         """Detail at which each node was last drawn, NaN if never, (m,)."""
-        return self.state.last_detail[self.ids]
+        return self.state.last_detail.take(self.ids)
 
-    @cached_property
+    @_PerNode
     def inside(self) -> BoolArray:
         """Whether each bounding sphere meets the frustum, (m,); nodes outside are never drawn."""
-        return self.state.inside[self.ids]
+        return self.state.inside.take(self.ids)
 
-    @cached_property
+    @_PerNode
     def resident(self) -> BoolArray:
         """Whether each node's data are in memory, (m,)."""
         everything = self.state.residency
         if everything is None:
             return np.ones(len(self.ids), dtype=np.bool_)
-        return everything[self.ids]
+        return everything.take(self.ids)
