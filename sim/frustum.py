@@ -1,4 +1,4 @@
-"""Frustum culling of bounding spheres, in place over struct-of-arrays buffers."""
+"""Frustum culling of bounding spheres, block by block over struct-of-arrays buffers."""
 
 import math
 
@@ -9,49 +9,66 @@ from ..models.camera import Camera
 
 __all__ = ["Culler"]
 
+_BLOCK = 4096  # nodes whose buffers fit a core's cache; BLAS starts no threads for so few
+
 
 class Culler:
     """Culls the spheres of N nodes against one camera after another.
 
-    `inside`, (N,) bool, holds the last answer as a mask; the next cull overwrites it.
+    `inside`, (N,) bool and read-only, holds the last answer as a mask; the next cull overwrites it.
 
     A sphere is a candidate unless it lies wholly outside one of the four side planes or the near
     plane; there is no far plane.  This keeps some spheres that only meet the planes' extensions,
     as engines' sphere tests do, and never drops one that is in view.
     """
 
-    __slots__ = ("_margin", "_mask", "_radius_m", "_side", "_xyz_m", "inside")
+    __slots__ = ("_keep", "_mask", "_radius_m", "_reach", "_side", "_xyz_m", "inside")
 
     def __init__(self, radius_m: FloatArray) -> None:
-        n = len(radius_m)
+        size = min(_BLOCK, len(radius_m))
         self._radius_m = radius_m
-        self._xyz_m = np.empty((3, n))
-        self._side = np.empty(n)
-        self._margin = np.empty(n)
-        self.inside = np.empty(n, dtype=np.bool_)
-        self._mask = np.empty(n, dtype=np.bool_)
+        self._xyz_m = np.empty((3, size))
+        self._side = np.empty(size)
+        self._reach = np.empty(size)
+        self._mask = np.empty(size, dtype=np.bool_)
+        self._keep = np.empty(len(radius_m), dtype=np.bool_)
+        self.inside = self._keep.view()
+        self.inside.flags.writeable = False
 
     def cull(self, centers_m: FloatArray, camera: Camera) -> tuple[IntArray, FloatArray]:
-        """Return ids of candidates, ascending, and their (3, m) camera coordinates.
+        """Return ids of candidates, ascending, and their (3, m) camera coordinates; read-only.
 
         `centers_m` is (3, N): scene coordinates of the spheres' centres.
         """
-        xyz, keep, mask = self._xyz_m, self.inside, self._mask
         axes = camera.axes
-        eye = axes @ camera.position_m
-        np.matmul(axes, centers_m, out=xyz)
+        eye: list[float] = (axes @ camera.position_m).tolist()
+        blocks = range(0, len(self._radius_m), _BLOCK)
+        parts = [self._cull_block(start, centers_m, camera, eye) for start in blocks]
+        ids = np.flatnonzero(self._keep).astype(np.int32)
+        xyz_m = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        ids.flags.writeable = xyz_m.flags.writeable = False
+        return ids, xyz_m
+
+    def _cull_block(
+        self, start: int, centers_m: FloatArray, camera: Camera, eye: list[float]
+    ) -> FloatArray:
+        radius_m = self._radius_m[start : start + _BLOCK]
+        keep = self._keep[start : start + _BLOCK]
+        size = len(radius_m)
+        xyz, side, reach = self._xyz_m[:, :size], self._side[:size], self._reach[:size]
+        mask = self._mask[:size]
+        np.matmul(camera.axes, centers_m[:, start : start + size], out=xyz)
         for row in range(3):
             xyz[row] -= eye[row]
-        tangent_y = 0.5 * camera.height_px / camera.focal_px
-        tangent_x = 0.5 * camera.width_px / camera.focal_px
-        np.greater(xyz[2], camera.near_m - self._radius_m, out=keep)
-        for row, tangent in ((0, tangent_x), (1, tangent_y)):
+        np.subtract(camera.near_m, radius_m, out=side)
+        np.greater(xyz[2], side, out=keep)
+        for row, pixels in ((0, camera.width_px), (1, camera.height_px)):
             # Outside where |x| cos a - z sin a > r, that is |x| > z tan a + r / cos a.
-            np.multiply(xyz[2], tangent, out=self._margin)
-            np.multiply(self._radius_m, math.hypot(1.0, tangent), out=self._side)
-            self._margin += self._side
-            np.abs(xyz[row], out=self._side)
-            np.less_equal(self._side, self._margin, out=mask)
+            tangent = 0.5 * pixels / camera.focal_px
+            np.multiply(xyz[2], tangent, out=reach)
+            np.multiply(radius_m, math.hypot(1.0, tangent), out=side)
+            reach += side
+            np.abs(xyz[row], out=side)
+            np.less_equal(side, reach, out=mask)
             keep &= mask
-        ids = np.flatnonzero(keep).astype(np.int32)
-        return ids, xyz[:, ids]
+        return xyz.take(np.flatnonzero(keep), axis=1)
