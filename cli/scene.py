@@ -60,6 +60,8 @@ def build(
 
     if out.suffix != SUFFIX:
         raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
+    if not out.parent.is_dir():
+        raise InputError("expected a folder to write to, got none of that name", path=out.parent)
     if seed < 0:
         raise InputError(f"seed: expected an integer >= 0, got {seed}")
     units = MeshUnits(up=up, height_m=height_m, unit_m=unit_m)

@@ -54,7 +54,7 @@ def write_archive(
                 buffer = io.BytesIO()
                 np.lib.format.write_array(buffer, little, version=(1, 0), allow_pickle=False)
                 archive.writestr(zipfile.ZipInfo(f"{name}.npy", _DATE), buffer.getbuffer())
-        os.replace(temporary, path)  # noqa: PTH105 - the brief name of an atomic rename
+        temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -10,6 +10,7 @@ from .arrays import FloatArray, IntArray
 from .geometry import Geometry
 from .layouts.placement import place, require_layout
 from .motion import Motion
+from .rotation import rotate
 from .scene import Scene
 from .type_model import TypeModel, gather_types
 
@@ -45,7 +46,7 @@ class PlacementOptions:
     random_yaw: bool = True
 
     def __post_init__(self) -> None:
-        require_layout(self.layout)
+        require_layout(self.layout, self.spacing_m, self.side_m)
         if not 1 <= self.count <= _MAX_COUNT:
             raise InputError(f"count: expected 1 to {_MAX_COUNT}, got {self.count}")
         if not 0.0 <= self.scale_variation < 1.0:
@@ -87,18 +88,20 @@ def scene_of_objects(
     Parameters
     ----------
     type_index : (N,)
-    plan_m : (N, 2) where each type's own origin stands
+    plan_m : (N, 2) centres of the bounding spheres, seen from above
     yaw_rad, scale, importance : (N,)
     """
     n = len(type_index)
     zero = np.zeros(n)
     types, geometry = gather_types(models)
+    turn = np.stack((zero, zero, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)), axis=1)
+    center = scale[:, None] * rotate(turn, types.center_m[type_index])
     scene = Scene(
         name=name,
         types=types,
         type_index=type_index,
-        position_m=np.column_stack((plan_m, zero)),
-        orientation_xyzw=np.stack((zero, zero, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)), axis=1),
+        position_m=np.column_stack((plan_m - center[:, :2], zero)),
+        orientation_xyzw=turn,
         scale=scale,
         importance=importance,
         parent=np.full(n, -1, dtype=np.int32),

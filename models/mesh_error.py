@@ -28,7 +28,7 @@ class Sampling:
     """
 
     vertices: int = 20_000
-    surface: int = 4_000
+    surface: int = 10_000
     seed: int = 0
 
 
@@ -42,22 +42,31 @@ class ErrorMeter:
 
     def __init__(self, positions: FloatArray, faces: IntArray, sampling: Sampling) -> None:
         self._sampling = sampling
-        self._full = _mesh(positions, faces)
+        self._low, self._scale = _frame(positions)
+        self._full = _mesh((positions - self._low) * self._scale, faces)
         self._samples = _sample(self._full, sampling)
 
     def error_m(self, positions: FloatArray, faces: IntArray) -> float:
         """Return the error in the unit of the positions, at least 0."""
-        level = _mesh(positions, faces)
-        return max(
-            _farthest(self._samples, level),
-            _farthest(_sample(level, self._sampling), self._full),
-        )
+        level = _mesh((positions - self._low) * self._scale, faces)
+        there = _farthest(self._samples, level)
+        back = _farthest(_sample(level, self._sampling), self._full)
+        return max(there, back) / self._scale
 
 
 def nearest_faces(positions: FloatArray, faces: IntArray, points: FloatArray) -> IntArray:
     """Return for each of (n, 3) points the face of the mesh that lies nearest, (n,)."""
-    mesh = _mesh(positions, faces)
-    return np.concatenate([face for _, face in _closest(mesh, points)])
+    low, scale = _frame(positions)
+    mesh = _mesh((positions - low) * scale, faces)
+    return np.concatenate([face for _, face in _closest(mesh, (points - low) * scale)])
+
+
+def _frame(positions: FloatArray) -> tuple[FloatArray, float]:
+    """Return the corner and the factor that bring a mesh to a size of 1000.
+
+    trimesh compares products of four edges with 1e-13, so that edges must not be below 1e-3.
+    """
+    return positions.min(axis=0), 1000.0 / float(np.ptp(positions, axis=0).max())
 
 
 def _mesh(positions: FloatArray, faces: IntArray) -> Any:
@@ -74,7 +83,8 @@ def _sample(mesh: Any, sampling: Sampling) -> FloatArray:
     vertices = np.asarray(mesh.vertices, dtype=np.float64)[used[pick]]
     if not sampling.surface:
         return vertices
-    drawn: Any = trimesh.sample.sample_surface(mesh, sampling.surface, seed=sampling.seed)
+    sampler: Any = trimesh.sample
+    drawn = sampler.sample_surface(mesh, sampling.surface, seed=sampling.seed)
     return np.concatenate((vertices, np.asarray(drawn[0], dtype=np.float64)))
 
 
@@ -93,8 +103,8 @@ def _closest(mesh: Any, points: FloatArray) -> Iterator[tuple[FloatArray, IntArr
     from scipy.spatial import KDTree
 
     reach = np.asarray(mesh.kdtree.query(points)[0], dtype=np.float64) * np.sqrt(3.0)
-    centroids = KDTree(np.asarray(mesh.triangles_center))
-    count: Any = centroids.query_ball_point(points, reach, return_length=True)
+    centroids: Any = KDTree(np.asarray(mesh.triangles_center))
+    count = centroids.query_ball_point(points, reach, return_length=True)
     number = np.cumsum(np.asarray(count) + 8) // _CANDIDATES
     cuts = np.flatnonzero(np.diff(number)) + 1
     edges = [0, *cuts.tolist(), len(points)]

@@ -63,8 +63,8 @@ _FIGURE = 1
 def build_plaza() -> tuple[Scene, Geometry]:
     """Return the scene and its geometry, the same on every call."""
     shape_rng, place_rng, motion_rng = np.random.default_rng(_SEED).spawn(3)
-    chain = ChainOptions(levels=5, ratio=0.45, min_triangles=120)
-    sampling = Sampling(vertices=300, surface=300)
+    chain = ChainOptions(levels=5, ratio=0.45, min_triangles=48)
+    sampling = Sampling(vertices=5_000, surface=100)
     models = [
         build_chain(make(shape_rng), chain, sampling)
         for make in (rock_mesh, figure_mesh, house_mesh, tree_mesh)

@@ -15,12 +15,12 @@ def tree_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return a tree 6 m tall: a tapering trunk and four leafy lumps."""
     trunk = _revolved([(0.0, 0.45), (0.6, 0.28), (2.5, 0.2), (5.0, 0.12)], 12)
     lumps = [
-        _moved(_lump(rng, 3, 0.16), center, radius)
-        for center, radius in (
-            ((0.0, 0.0, 6.2), 1.7),
-            ((1.1, 0.3, 4.6), 1.4),
-            ((-0.8, 0.9, 4.4), 1.3),
-            ((-0.3, -1.1, 4.8), 1.4),
+        _moved(_lump(rng, subdivisions, 0.16), center, radius)
+        for subdivisions, center, radius in (
+            (3, (0.0, 0.0, 6.2), 1.7),
+            (3, (1.1, 0.3, 4.6), 1.4),
+            (2, (-0.8, 0.9, 4.4), 1.2),
+            (2, (-0.3, -1.1, 4.8), 1.2),
         )
     ]
     return _finish("tree", [trunk, *lumps], height_m=6.0)
@@ -28,7 +28,7 @@ def tree_mesh(rng: np.random.Generator) -> SurfaceMesh:
 
 def rock_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return a boulder 1.2 m tall."""
-    return _finish("rock", [_moved(_lump(rng, 4, 0.22), (0.0, 0.0, 0.0), 1.0)], height_m=1.2)
+    return _finish("rock", [_moved(_lump(rng, 3, 0.22), (0.0, 0.0, 0.0), 1.0)], height_m=1.2)
 
 
 def house_mesh(rng: np.random.Generator) -> SurfaceMesh:
@@ -60,7 +60,7 @@ def figure_mesh(rng: np.random.Generator) -> SurfaceMesh:
         )
     ]
     body = _moved(_lump(rng, 3, 0.08), (0.0, 0.0, 1.1), (0.23, 0.15, 0.38))
-    head = _moved(_lump(rng, 3, 0.06), (0.0, 0.0, 1.64), (0.11, 0.13, 0.16))
+    head = _moved(_lump(rng, 2, 0.06), (0.0, 0.0, 1.64), (0.11, 0.13, 0.16))
     return _finish("figure", [body, head, *limbs], height_m=1.8)
 
 

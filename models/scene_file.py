@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .array_archive import ArrayArchive, write_archive
-from .arrays import require_finite
-from .geometry import Geometry, LevelMesh
+from .geometry import Geometry
+from .geometry_arrays import pack_geometry, unpack_geometry
 from .levels import LevelTable
 from .motion import Motion
 from .predictors import LEVEL_PREDICTORS
@@ -27,6 +27,7 @@ __all__ = ["SCHEMA", "SceneOrigin", "read_geometry", "read_origin", "read_scene"
 SCHEMA = "lodbench.scene/1"
 
 _HEADER = "scene.json"
+_MAX_DISTANCE_M = 1e9  # squares and products of four such lengths are still far from overflow
 _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 _NODES: Mapping[str, tuple[type[Any], int]] = {
@@ -102,7 +103,7 @@ def write_scene(
     arrays |= {f"levels/{name}": getattr(scene.types.levels, name) for name in _LEVELS}
     arrays["levels/counts"] = scene.types.levels.counts
     encoded = msgspec.json.format(msgspec.json.encode(header), indent=1)
-    write_archive(path, _HEADER, encoded, arrays | _pack_geometry(geometry))
+    write_archive(path, _HEADER, encoded, arrays | pack_geometry(geometry))
 
 
 def read_scene(path: Path) -> Scene:
@@ -117,12 +118,9 @@ def read_scene(path: Path) -> Scene:
     with ArrayArchive(path) as archive, np.errstate(over="ignore", invalid="ignore"):
         header = _read_header(archive)
         try:
-            scene = _scene(archive, header)
-            require_finite(scene.center_m, "bounding sphere center_m")
-            require_finite(scene.radius_m, "bounding sphere radius_m")
+            return _scene(archive, header)
         except InputError as error:
             raise InputError(error.message, path=path) from error
-        return scene
 
 
 def read_origin(path: Path) -> SceneOrigin:
@@ -137,7 +135,7 @@ def read_geometry(path: Path) -> Geometry:
         _read_header(archive)
         levels = len(archive.array("levels/error_m", np.float64, 1))
         try:
-            return _unpack_geometry(archive, levels)
+            return unpack_geometry(archive, levels)
         except InputError as error:
             raise InputError(error.message, path=path) from error
 
@@ -175,7 +173,11 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
     center = archive.array("types/center_m", np.float64, 2)
     radius = archive.array("types/radius_m", np.float64, 1)
     types = ObjectTypes(header.types, center, radius, levels)
-    return Scene(name=header.name, types=types, motion=motion, **nodes)
+    scene = Scene(name=header.name, types=types, motion=motion, **nodes)
+    farthest = max(float(np.abs(scene.center_m).max()), float(scene.radius_m.max()))
+    if not farthest <= _MAX_DISTANCE_M:
+        raise InputError(f"bounding spheres: expected within 1e9 m, got {farthest:g} m")
+    return scene
 
 
 def _read_counts(archive: ArrayArchive, predictors: tuple[str, ...]) -> NDArray[Any]:
@@ -192,61 +194,3 @@ def _read_counts(archive: ArrayArchive, predictors: tuple[str, ...]) -> NDArray[
     counts = np.zeros((len(given), len(LEVEL_PREDICTORS)))
     counts[:, [LEVEL_PREDICTORS.index(name) for name in predictors]] = given
     return counts
-
-
-def _pack_geometry(geometry: Geometry) -> _Arrays:
-    """Return the meshes as concatenated arrays with the row at which each mesh starts."""
-    with_uv = [mesh.uv for mesh in geometry if mesh.uv is not None]
-    return {
-        "geometry/vertex_start": _starts([len(mesh.vertices) for mesh in geometry]),
-        "geometry/vertices": np.concatenate([mesh.vertices for mesh in geometry]),
-        "geometry/normals": np.concatenate([mesh.normals for mesh in geometry]),
-        "geometry/face_start": _starts([len(mesh.faces) for mesh in geometry]),
-        "geometry/faces": np.concatenate([mesh.faces for mesh in geometry]),
-        "geometry/part_start_start": _starts([len(mesh.part_start) for mesh in geometry]),
-        "geometry/part_start": np.concatenate([mesh.part_start for mesh in geometry]),
-        "geometry/has_uv": np.array([mesh.uv is not None for mesh in geometry]),
-        "geometry/uv": np.concatenate((np.zeros((0, 2), dtype=np.float32), *with_uv)),
-    }
-
-
-def _starts(lengths: list[int]) -> NDArray[np.int64]:
-    return np.concatenate(([0], np.cumsum(lengths, dtype=np.int64))).astype(np.int64)
-
-
-def _unpack_geometry(archive: ArrayArchive, levels: int) -> Geometry:
-    vertices = _split(archive, "vertices", "vertex_start", np.float32, levels)
-    normals = _split(archive, "normals", "vertex_start", np.float32, levels)
-    faces = _split(archive, "faces", "face_start", np.int32, levels)
-    part_start = archive.array("geometry/part_start", np.int32, 1)
-    part_rows = _bounds(archive, "part_start_start", len(part_start), levels)
-    has_uv = archive.array("geometry/has_uv", np.bool_, 1)
-    uv = archive.array("geometry/uv", np.float32, 2)
-    if len(has_uv) != levels:
-        raise InputError(f"geometry has_uv: expected {levels} flags, got {len(has_uv)}")
-    end = np.cumsum([len(v) * flag for v, flag in zip(vertices, has_uv, strict=True)])
-    return tuple(
-        LevelMesh(
-            vertices[i],
-            normals[i],
-            faces[i],
-            part_start[part_rows[i] : part_rows[i + 1]],
-            uv[end[i] - len(vertices[i]) : end[i]] if has_uv[i] else None,
-        )
-        for i in range(levels)
-    )
-
-
-def _split(
-    archive: ArrayArchive, name: str, start_name: str, dtype: type[Any], levels: int
-) -> list[NDArray[Any]]:
-    array = archive.array(f"geometry/{name}", dtype, 2)
-    rows = _bounds(archive, start_name, len(array), levels)
-    return [array[rows[i] : rows[i + 1]] for i in range(levels)]
-
-
-def _bounds(archive: ArrayArchive, name: str, rows: int, levels: int) -> NDArray[np.int64]:
-    start = archive.array(f"geometry/{name}", np.int64, 1)
-    if len(start) != levels + 1 or start[0] != 0 or start[-1] != rows or (np.diff(start) < 0).any():
-        raise InputError(f"geometry {name}: expected {levels + 1} rows rising from 0 to {rows}")
-    return start

@@ -30,7 +30,7 @@ class TypeModel:
     """
 
     name: str
-    meshes: Geometry
+    meshes: Geometry = field(repr=False)
     counts: FloatArray
     error_m: FloatArray
     center_m: FloatArray = field(init=False)

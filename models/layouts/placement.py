@@ -16,10 +16,14 @@ __all__ = ["LAYOUTS", "place", "require_layout"]
 LAYOUTS = ("grid", "scatter", "rows", "city", "forest")
 
 
-def require_layout(name: str) -> None:
-    """Raise InputError unless there is a layout of that name."""
+def require_layout(name: str, spacing_m: float, side_m: float | None) -> None:
+    """Raise InputError unless there is a layout of that name, and the lengths can be."""
     if name not in LAYOUTS:
         raise InputError(f"layout: expected {', '.join(LAYOUTS)}, got {name}")
+    if not (np.isfinite(spacing_m) and spacing_m >= 0.0):
+        raise InputError(f"spacing: expected metres >= 0, got {spacing_m}")
+    if side_m is not None and not (np.isfinite(side_m) and side_m > 0.0):
+        raise InputError(f"side: expected metres > 0, got {side_m}")
 
 
 def place(
@@ -45,11 +49,7 @@ def place(
     InputError
         If the layout is unknown, the square cannot hold the objects, or a length is out of range.
     """
-    require_layout(layout)
-    if not (np.isfinite(spacing_m) and spacing_m >= 0.0):
-        raise InputError(f"spacing: expected metres >= 0, got {spacing_m}")
-    if side_m is not None and not (np.isfinite(side_m) and side_m > 0.0):
-        raise InputError(f"side: expected metres > 0, got {side_m}")
+    require_layout(layout, spacing_m, side_m)
     wide = radius_m + spacing_m / 2.0
     if layout == "scatter":
         return scatter(wide, side_m, rng)

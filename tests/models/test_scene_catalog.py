@@ -1,0 +1,38 @@
+"""Scenes by name or by path."""
+
+from pathlib import Path
+
+import pytest
+
+from lodbench import InputError
+from lodbench.models.geometry import Geometry
+from lodbench.models.scene import Scene
+from lodbench.models.scene_catalog import list_bundled_scenes, load_scene
+from lodbench.models.scene_file import write_scene
+
+
+def test_bundled_names_load() -> None:
+    """Every listed scene loads under its own name."""
+    assert list_bundled_scenes() == ("plaza",)
+    assert [load_scene(name).name for name in list_bundled_scenes()] == ["plaza"]
+
+
+def test_paths_load(ball_scene: tuple[Scene, Geometry], tmp_path: Path) -> None:
+    """A path is a scene file, whatever its suffix, if it is there."""
+    for name in ("balls.lodscene", "balls.zip"):
+        write_scene(tmp_path / name, *ball_scene)
+        assert load_scene(str(tmp_path / name)).name == "balls"
+
+
+def test_unknown_names_suggest_the_nearest() -> None:
+    """A slip is answered with the name that was meant."""
+    with pytest.raises(InputError, match="got palza; did you mean plaza"):
+        load_scene("palza")
+    with pytest.raises(InputError, match="name one or give a path"):
+        load_scene("zzz")
+
+
+def test_a_missing_file_is_named() -> None:
+    """A path with the suffix of scenes is taken as a path."""
+    with pytest.raises(InputError, match=r"gone\.lodscene: expected a file, got no such file"):
+        load_scene("gone.lodscene")
