@@ -55,7 +55,8 @@ COUNTS = (
     "benefit_bound",  # most benefit that any selection of this cost can have; NaN if not computed
     "degradation",
     "full_degradation",
-    "memory_bytes",
+    "memory_bytes",  # held when the frame began
+    "loaded_bytes",  # read by the loader since the frame before; in the first, what it starts with
     "x_m",
     "y_m",
     "z_m",

@@ -24,6 +24,7 @@ from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from .fronts import Fronts
 from .frustum import Culler
+from .loader import find_not_resident, make_memory
 from .measure import FrameNoise, FrameTimer
 from .pipeline import Pipeline
 from .quality import FlatQuality, TreeQuality, screen_errors
@@ -60,6 +61,8 @@ class ReplayOptions:
         only.  Frames of an oracle are always held against it.
     draw : int or None
         Posterior draw that plays the truth; None for the profile's mean.
+    memory_bytes : float or None
+        Bound of the loader; None for the profile's.
     """
 
     budget_ms: float
@@ -71,6 +74,7 @@ class ReplayOptions:
     faults: Faults = field(default_factory=Faults)
     bound_every: int = 0
     draw: int | None = None
+    memory_bytes: float | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.budget_ms) and self.budget_ms > 0.0):
@@ -83,6 +87,8 @@ class ReplayOptions:
             raise InputError(
                 f"measurement delay: expected 0 to 16 frames, got {self.measurement_delay}"
             )
+        if self.memory_bytes is not None and not 0.0 < self.memory_bytes < math.inf:
+            raise InputError(f"memory: expected bytes > 0, got {self.memory_bytes}")
         if self.bound_every < 0:
             raise InputError(f"bound_every: expected frames >= 0, got {self.bound_every}")
         if self.seed < 0:
@@ -150,7 +156,10 @@ class _Source:
         self._bound = BenefitBound(self._scene, truth, every)
         self._index_sets = IndexSets(scene)
         self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
-        self._memory_bytes = float(scene.types.levels.bytes.sum())
+        streaming = policy.capabilities.loader and not scene.flat
+        self._bound_bytes = options.memory_bytes or hardware.memory_bytes
+        self._memory = make_memory(scene, hardware, self._bound_bytes, streaming=streaming)
+        self._loaded_bytes = 0
         gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
         self._gpu_noise = FrameNoise(scatter.factors, gpu)
         self._cpu_noise = FrameNoise(hardware.cpu_residual.factors, cpu)
@@ -165,12 +174,14 @@ class _Source:
             raise PolicyError(name, None, _describe(error)) from error
 
     def attach(self, pipeline: Pipeline) -> None:
-        """Take times of completed frames from this pipeline."""
+        """Take times of completed frames from this pipeline, and read on its clock."""
         self._timer.attach(pipeline)
+        self._memory.attach(pipeline.events)
 
     def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
         """Select, count and price one frame (see `FrameSource`)."""
         if frame == self._options.frames or (self._options.frames is None and self._over(time_ns)):
+            self._memory.stop()
             return None
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
@@ -188,6 +199,7 @@ class _Source:
             self._previous,
             self._previous_camera,
             time_s - self._previous_s,
+            self._memory.resident,
         )
         view = View(state, ids, xyz_m)
         if self._tree is not None:
@@ -197,7 +209,9 @@ class _Source:
         selection = self._select(view, Truth(self._truth, gpu_factor))
         self._previous, self._previous_camera = selection, camera
         self._previous_s = time_s
-        return self._record(view, selection, gpu_factor)
+        costs_ns = self._record(view, selection, gpu_factor)
+        self._memory.want(time_ns, selection.wanted)
+        return costs_ns
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
@@ -229,6 +243,7 @@ class _Source:
         except Exception as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
         violation = find_violation(selection, view.ids, self._scene, self._tree)
+        violation = violation or find_not_resident(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection
@@ -253,6 +268,8 @@ class _Source:
         cpu_ms *= self._cpu_noise.next()
         gpu_ms = tally.gpu_ms * gpu_factor
         work, position = selection.work, view.camera.position_m
+        loaded_bytes = self._memory.loaded_bytes - self._loaded_bytes
+        self._loaded_bytes = self._memory.loaded_bytes
         self._counts.extend(tally.level_counts.tolist())
         self._counts.extend(
             (
@@ -284,7 +301,8 @@ class _Source:
                 self._bound.of(view, tally.gpu_ms),
                 quality.degradation,
                 quality.full_degradation,
-                self._memory_bytes,
+                self._memory.memory_bytes,
+                loaded_bytes,
                 *position,
             )
         )
@@ -320,7 +338,7 @@ class _Source:
             options.seed,
             hardware.display.mode,
             hardware.display.refresh_hz,
-            hardware.memory_bytes,
+            self._bound_bytes,
             self._policy.capabilities.future,
         )
         columns = [np.frombuffer(getattr(pipeline, name), dtype=np.int64) for name in TIMES]
