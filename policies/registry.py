@@ -31,6 +31,7 @@ REGISTERED = {
     "feedback": "feedback:Feedback",
     "funkhouser": "funkhouser:Funkhouser",
     "gobbetti": "gobbetti:Gobbetti",
+    "gobbetti-custom": "gobbetti_custom:GobbettiCustom",
     "wimmer": "wimmer:Wimmer",
     "peng": "peng:Peng",
     "oracle": "oracle:Oracle",

@@ -142,6 +142,12 @@ class ResolutionCosts:
         level = nearest_level(self._levels, view.type_index, resolution)
         return np.where(soft, resolution, level)
 
+    def resolution(self, view: View, detail: FloatArray) -> FloatArray:
+        """Return the resolution that each candidate has at a detail, (m,)."""
+        row, _ = self._levels.position(view.type_index, detail)
+        soft = self._levels.continuous[view.type_index]
+        return np.where(soft, detail, self._levels.resolution[row])
+
     def finest(self, view: View) -> FloatArray:
         """Return every candidate in full detail, (m,)."""
         return self._levels.continuous[view.type_index].astype(np.float64)
