@@ -1,10 +1,12 @@
 """What a frame draws, costs and shows, counted by the simulator for every policy alike."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..models.arrays import FloatArray, IntArray
+from ..models.arrays import FloatArray
 from ..models.camera import Camera
 from ..models.cost import CostModel
 from ..models.predictors import (
@@ -41,62 +43,31 @@ class Accounting:
         levels = scene.types.levels
         self._scene, self._levels, self._costs = scene, levels, costs
         self._any_continuous = bool(levels.continuous.any())
-        self._finest = levels.start[:-1]
-        self._linear_ms, self._geometry_ms = costs.level_ms(levels)
-        self._few_rows = len(levels.error_m) <= 4096
+        self._finest = levels.start[:-1].astype(np.int64)
+        _, self._geometry_ms = costs.level_ms(levels)
         self.viewport_px = float(camera.viewport_px)
         self.switches = Switches(len(scene), crossfade_ns, self.viewport_px)
 
     def drawn(self, selection: Selection, view: View) -> Drawn:
         """Return what a valid selection draws."""
-        whole = selection.ids is view.ids
-        seen = view if whole else view.at(selection.ids)
-        detail = selection.detail
+        seen = view if selection.ids is view.ids else view.at(selection.ids)
+        detail, fraction = selection.detail, None
         if self._any_continuous:
             row, fraction = self._levels.position(seen.type_index, detail)
+            row = row.astype(np.int64)
             error_m = self._levels.interpolate(self._levels.error_m, row, fraction)
         else:
-            row = self._finest[seen.type_index]
-            row += detail.astype(np.int32)
-            fraction = None
-            error_m = self._levels.error_m[row]
-        px_per_m = view.camera.focal_px * self._scene.scale[seen.ids]
+            row = self._finest.take(seen.type_index)
+            row += detail.astype(np.int64)
+            error_m = self._levels.error_m.take(row)
+        px_per_m = self._scene.scale.take(seen.ids)
+        px_per_m *= view.camera.focal_px
         px_per_m /= seen.nearest_m
         return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m)
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
-        return self._gpu_ms(self._finest[view.type_index], None, view.area_px)[2]
-
-    def _gpu_ms(
-        self, row: IntArray, fraction: FloatArray | None, area_px: FloatArray
-    ) -> tuple[FloatArray, int, float]:
-        costs = self._costs
-        owners = self._levels.type_of_level
-        if fraction is not None:
-            counts = self._levels.interpolate(self._levels.counts, row, fraction).sum(axis=0)
-            changes = len(np.unique(owners[row]))
-        elif self._few_rows:
-            times_drawn = np.bincount(row, minlength=len(owners))
-            counts = times_drawn @ self._levels.counts
-            used = np.add.reduceat(times_drawn, self._finest)
-            changes = int(np.count_nonzero(used))
-        else:
-            counts = self._levels.counts[row].sum(axis=0)
-            changes = len(np.unique(owners[row]))
-        samples = float(area_px.sum())
-        linear = costs.linear_ms
-        ms = costs.base_ms + float(counts @ linear[:_P])
-        ms += samples * float(linear[SHADED_SAMPLES])
-        ms += self.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
-        ms += changes * float(linear[STATE_CHANGES])
-        if costs.has_roofline:
-            geometry = self._geometry_ms[row]
-            if fraction is not None:
-                geometry = self._levels.interpolate(self._geometry_ms, row, fraction)
-            pixels = area_px * costs.roofline_ms[SHADED_SAMPLES]
-            ms += float(np.maximum(geometry, pixels).sum())
-        return counts, changes, ms
+        return self._price(self._finest.take(view.type_index), None, view.area_px, 0).gpu_ms
 
     def tally(self, time_ns: int, drawn: Drawn) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included."""
@@ -107,5 +78,39 @@ class Accounting:
             area_px = np.concatenate((area_px, area_px[at]))
             if fraction is not None:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
-        counts, changes, ms = self._gpu_ms(row, fraction, area_px)
-        return Tally(counts, float(area_px.sum()), changes, ms, len(at))
+        return self._price(row, fraction, area_px, len(at))
+
+    def _price(
+        self,
+        row: NDArray[np.int64],
+        fraction: FloatArray | None,
+        area_px: FloatArray,
+        fading: int,
+    ) -> Tally:
+        costs, linear = self._costs, self._costs.linear_ms
+        times_drawn = self._times_drawn(row, fraction)
+        # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
+        counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
+        changes = int(np.count_nonzero(np.add.reduceat(times_drawn, self._finest)))
+        samples = float(area_px.sum())
+        ms = costs.base_ms + float((counts * linear[:_P]).sum())
+        ms += samples * float(linear[SHADED_SAMPLES])
+        ms += self.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
+        ms += changes * float(linear[STATE_CHANGES])
+        if costs.has_roofline:
+            geometry = self._geometry_ms.take(row)
+            if fraction is not None:
+                geometry = self._levels.interpolate(self._geometry_ms, row, fraction)
+            pixels = area_px * costs.roofline_ms[SHADED_SAMPLES]
+            ms += float(np.maximum(geometry, pixels).sum())
+        return Tally(counts, samples, changes, ms, fading)
+
+    def _times_drawn(self, row: NDArray[np.int64], fraction: FloatArray | None) -> FloatArray:
+        """Return how many times each level is drawn, shared between the two about a resolution."""
+        count = len(self._levels.error_m)
+        if fraction is None:
+            return np.bincount(row, minlength=count).astype(np.float64)
+        # numpy's stubs say that bincount returns integers with weights too.
+        low: Any = np.bincount(row, 1.0 - fraction, count)
+        high: Any = np.bincount(np.minimum(row + 1, count - 1), fraction, count)
+        return low + high

@@ -62,7 +62,7 @@ class Pipeline:
         self._in_flight = 0
         self._cpu_idle = self._gpu_idle = True
         self._images_free = display.images
-        self._gpu_ns = array("q")
+        self._gpu_ns: deque[int] = deque()  # of frames whose GPU work has not begun
         self._queue: deque[int] = deque()
         self.events = EventQueue()
         self._screen = make_screen(display, self.events, self._shown, self._freed)
@@ -108,7 +108,7 @@ class Pipeline:
         self._gpu_idle = False
         self._images_free -= 1
         self.gpu_start_ns[frame] = time_ns
-        end_ns = time_ns + self._gpu_ns[frame]
+        end_ns = time_ns + self._gpu_ns.popleft()
         self.events.schedule(end_ns, _GPU_PRIORITY, self._gpu_done, frame)
 
     def _gpu_done(self, time_ns: int, frame: int) -> None:

@@ -1,8 +1,10 @@
 """Error, benefit and degradation of what a frame shows, held against full detail."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..models.arrays import FloatArray, IntArray
 from ..models.benefit import BASE_ERROR, level_accuracy, level_primitives
@@ -44,14 +46,13 @@ class FlatQuality:
     def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
         self._scene, self._levels = scene, levels
-        primitives = np.maximum(level_primitives(levels), 1.0)
+        self._any_continuous = bool(levels.continuous.any())
+        self._finest = levels.start[:-1].astype(np.int64)
+        self._primitives = level_primitives(levels)
         self._accuracy = level_accuracy(levels)
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
-        self._per_primitive = 1.0 / primitives
-        finest = levels.start[:-1]
-        self._full_accuracy = self._accuracy[finest]
-        self._full_per_primitive = self._per_primitive[finest]
+        self._per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
         self._unit_importance = bool((scene.importance == 1.0).all())
 
     def units(self, view: View) -> View:
@@ -61,25 +62,33 @@ class FlatQuality:
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
         weight = whole = self._weight(units.ids, units.area_px)
-        full_benefit = float(whole @ self._full_accuracy[units.type_index])
-        full_degradation = float(whole @ self._full_per_primitive[units.type_index])
-        missing = len(units.ids) - len(drawn.ids)
+        full_row = self._finest.take(units.type_index)
+        full = np.zeros(len(units)) if self._any_continuous else None
+        full_benefit, full_degradation = self._sums(whole, full_row, full)
         if drawn.ids is not units.ids:
             weight = self._weight(drawn.ids, drawn.area_px)
-        accuracy, per_primitive = self._accuracy, self._per_primitive
-        if drawn.fraction is None:
-            benefit = float(weight @ accuracy[drawn.row])
-            degradation = float(weight @ per_primitive[drawn.row])
-        else:
-            lerp = self._levels.interpolate
-            benefit = float(weight @ lerp(accuracy, drawn.row, drawn.fraction))
-            degradation = float(weight @ lerp(per_primitive, drawn.row, drawn.fraction))
+        benefit, degradation = self._sums(weight, drawn.row, drawn.fraction)
+        missing = len(units.ids) - len(drawn.ids)
         if missing:
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
+    def _sums(
+        self, weight: FloatArray, row: NDArray[np.int64], fraction: FloatArray | None
+    ) -> tuple[float, float]:
+        """Return the weighted sums of accuracy and of one over primitives."""
+        if fraction is None:
+            # numpy's stubs say that bincount returns integers with weights too.
+            per_row: Any = np.bincount(row, weight, len(self._accuracy))
+            weight = per_row
+            accuracy, per_primitive = self._accuracy, self._per_primitive
+        else:
+            primitives = self._levels.interpolate(self._primitives, row, fraction)
+            accuracy, per_primitive = _accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)
+        return float((weight * accuracy).sum()), float((weight * per_primitive).sum())
+
     def _weight(self, ids: IntArray, area_px: FloatArray) -> FloatArray:
-        return area_px if self._unit_importance else area_px * self._scene.importance[ids]
+        return area_px if self._unit_importance else area_px * self._scene.importance.take(ids)
 
 
 class TreeQuality:
@@ -110,10 +119,10 @@ class TreeQuality:
         share = np.where(cover == units.ids, 1.0, full / below)
         samples = np.where(cover >= 0, now[cover] * share, 0.0)
         return Quality(
-            float(weight @ _accuracy(samples)),
-            float(weight @ _accuracy(full)),
-            float(weight @ (1.0 / np.maximum(samples, 1.0))),
-            float(weight @ (1.0 / np.maximum(full, 1.0))),
+            float((weight * _accuracy(samples)).sum()),
+            float((weight * _accuracy(full)).sum()),
+            float((weight / np.maximum(samples, 1.0)).sum()),
+            float((weight / np.maximum(full, 1.0)).sum()),
             int(np.count_nonzero(cover < 0)),
         )
 

@@ -28,7 +28,7 @@ class Drawn:
     ----------
     ids : int32
     detail : float64
-    row : int32
+    row : int64
         Row of the level table; with `fraction`, where between it and the next row.
     fraction : float64 or None
         None where every drawn node is discrete.
@@ -41,7 +41,7 @@ class Drawn:
 
     ids: IntArray
     detail: FloatArray
-    row: IntArray
+    row: NDArray[np.int64]
     fraction: FloatArray | None
     area_px: FloatArray
     error_m: FloatArray
@@ -75,12 +75,12 @@ class Switches:
 
     __slots__ = (
         "_crossfade_ns",
+        "_detail",
         "_error_m",
         "_fade_end_ns",
         "_fade_row",
         "_from_row",
-        "_last_frame",
-        "_row",
+        "_stamp",
         "_switch_ns",
         "_viewport_px",
         "detail",
@@ -89,41 +89,49 @@ class Switches:
     def __init__(self, nodes: int, crossfade_ns: int, viewport_px: float) -> None:
         self._crossfade_ns = crossfade_ns
         self._viewport_px = viewport_px
-        self._last_frame = np.full(nodes, -2, dtype=np.int32)
-        self._row = np.full(nodes, -1, dtype=np.int32)
+        # Frame and row of the last drawing in one number, so that one comparison tells the many
+        # nodes that go on unchanged from the few that do not.
+        self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
         self._from_row = np.full(nodes, -1, dtype=np.int32)
         self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
         self._error_m = np.zeros(nodes)
         fading = nodes if crossfade_ns else 0
         self._fade_end_ns = np.zeros(fading, dtype=np.int64)
-        self._fade_row = np.zeros(fading, dtype=np.int32)
-        self.detail = np.full(nodes, np.nan)
+        self._fade_row = np.zeros(fading, dtype=np.int64)
+        self._detail = np.full(nodes, np.nan)
+        self.detail = self._detail.view()
+        self.detail.flags.writeable = False
 
     def record(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
         """Record what a frame draws and return its switches."""
         ids = drawn.ids
-        known = self._last_frame[ids] == frame - 1
-        moved = (
-            self._row[ids] != drawn.row
-            if drawn.fraction is None
-            else self.detail[ids] != drawn.detail
-        )
-        moved &= known
-        at = np.flatnonzero(moved)
-        counts = self._switch(at, time_ns, drawn) if len(at) else SwitchCounts()
-        self._last_frame[ids] = frame
-        self._row[ids] = drawn.row
-        self._error_m[ids] = drawn.error_m
-        self.detail[ids] = drawn.detail
+        before = self._stamp.take(ids)
+        self._stamp[ids] = drawn.row + (frame << _ROW_BITS)
+        other = before != drawn.row + ((frame - 1) << _ROW_BITS)
+        if drawn.fraction is not None:
+            other |= self._detail.take(ids) != drawn.detail
+        at = np.flatnonzero(other)
+        if not len(at):
+            return SwitchCounts()
+        before = before[at]
+        known = before >> _ROW_BITS == frame - 1
+        counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
+        changed = ids[at]
+        self._error_m[changed] = drawn.error_m[at]
+        self._detail[changed] = drawn.detail[at]
         return counts
 
-    def _switch(self, at: NDArray[np.intp], time_ns: int, drawn: Drawn) -> SwitchCounts:
+    def _switch(
+        self, at: NDArray[np.intp], old_row: NDArray[np.int64], time_ns: int, drawn: Drawn
+    ) -> SwitchCounts:
+        """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
+        if not len(at):
+            return SwitchCounts()
         step = np.abs(drawn.error_m[at] - self._error_m[drawn.ids[at]]) * drawn.px_per_m[at]
-        popping_px = float(step @ drawn.area_px[at]) / self._viewport_px
+        popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
         new_row = drawn.row[at]
-        passed = self._row[drawn.ids[at]] != new_row
-        ids, new_row = drawn.ids[at][passed], new_row[passed]
-        old_row = self._row[ids]
+        passed = old_row != new_row
+        ids, new_row, old_row = drawn.ids[at][passed], new_row[passed], old_row[passed]
         undone = (self._from_row[ids] == new_row) & (time_ns - self._switch_ns[ids] <= REVERSAL_NS)
         self._from_row[ids] = old_row
         self._switch_ns[ids] = time_ns
@@ -132,7 +140,7 @@ class Switches:
             self._fade_end_ns[ids] = time_ns + self._crossfade_ns
         return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px)
 
-    def fading(self, time_ns: int, ids: IntArray) -> tuple[NDArray[np.intp], IntArray]:
+    def fading(self, time_ns: int, ids: IntArray) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return positions in `ids` of nodes still in a cross-fade, and the rows they leave."""
         if not self._crossfade_ns:
             return _NOWHERE, _NO_ROWS
@@ -140,5 +148,7 @@ class Switches:
         return at, self._fade_row[ids[at]]
 
 
+_ROW_BITS = 31
+_ROW_MASK = (1 << _ROW_BITS) - 1
 _NOWHERE = np.empty(0, dtype=np.intp)
-_NO_ROWS = np.empty(0, dtype=np.int32)
+_NO_ROWS = np.empty(0, dtype=np.int64)
