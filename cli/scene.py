@@ -176,4 +176,5 @@ def _print(record: dict[str, Any]) -> None:
         f"{record['objects']:,} objects, {record['moving']:,} moving; "
         f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})",
         highlight=False,
+        soft_wrap=True,
     )
