@@ -44,14 +44,16 @@ class Culler:
         eye: list[float] = (axes @ camera.position_m).tolist()
         blocks = range(0, len(self._radius_m), _BLOCK)
         parts = [self._cull_block(start, centers_m, camera, eye) for start in blocks]
-        ids = np.flatnonzero(self._keep).astype(np.int32)
-        xyz_m = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        ids, xyz_m = parts[0]
+        if len(parts) > 1:
+            ids = np.concatenate([part[0] for part in parts])
+            xyz_m = np.concatenate([part[1] for part in parts], axis=1)
         ids.flags.writeable = xyz_m.flags.writeable = False
         return ids, xyz_m
 
     def _cull_block(
         self, start: int, centers_m: FloatArray, camera: Camera, eye: list[float]
-    ) -> FloatArray:
+    ) -> tuple[IntArray, FloatArray]:
         radius_m = self._radius_m[start : start + _BLOCK]
         keep = self._keep[start : start + _BLOCK]
         size = len(radius_m)
@@ -71,4 +73,5 @@ class Culler:
             np.abs(xyz[row], out=side)
             np.less_equal(side, reach, out=mask)
             keep &= mask
-        return xyz.take(np.flatnonzero(keep), axis=1)
+        at = keep.nonzero()[0]
+        return (at + start).astype(np.int32), xyz.take(at, axis=1)

@@ -110,7 +110,7 @@ class Switches:
         other = before != drawn.row + ((frame - 1) << _ROW_BITS)
         if drawn.fraction is not None:
             other |= self._detail.take(ids) != drawn.detail
-        at = np.flatnonzero(other)
+        at = other.nonzero()[0]
         if not len(at):
             return SwitchCounts()
         before = before[at]
