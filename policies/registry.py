@@ -29,6 +29,7 @@ REGISTERED = {
     "static-distance": "static_distance:StaticDistance",
     "static-screen": "static_screen:StaticScreen",
     "feedback": "feedback:Feedback",
+    "lodmanager": "lodmanager:LodManager",
     "funkhouser": "funkhouser:Funkhouser",
     "gobbetti": "gobbetti:Gobbetti",
     "gobbetti-custom": "gobbetti_custom:GobbettiCustom",

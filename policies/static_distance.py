@@ -12,7 +12,16 @@ from .protocol import Capabilities
 from .selection import Selection, Work
 from .view import View
 
-__all__ = ["StaticDistance"]
+__all__ = ["StaticDistance", "distance_range"]
+
+
+def distance_range(scene: Scene, near_m: float | None, far_m: float | None) -> tuple[float, float]:
+    """Return the given distances, or for None 1 % and 50 % of the scene's extent."""
+    extent_m = float(np.ptp(scene.center_m, axis=0).max()) + 2.0 * float(scene.radius_m.max())
+    return (
+        0.01 * extent_m if near_m is None else near_m,
+        0.5 * extent_m if far_m is None else far_m,
+    )
 
 
 @dataclass(slots=True)
@@ -43,9 +52,7 @@ class StaticDistance:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Resolve distances that depend on the scene."""
-        extent_m = float(np.ptp(scene.center_m, axis=0).max()) + 2.0 * float(scene.radius_m.max())
-        near_m = 0.01 * extent_m if self.near_m is None else self.near_m
-        far_m = 0.5 * extent_m if self.far_m is None else self.far_m
+        near_m, far_m = distance_range(scene, self.near_m, self.far_m)
         if not (0.0 <= near_m < far_m and 0.0 <= self.hysteresis < 1.0):
             raise InputError(
                 "static-distance: expected 0 <= near_m < far_m and hysteresis in [0, 1), got "
