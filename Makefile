@@ -53,12 +53,12 @@ clean:
 # Analysers resolve the package by this link, because its folder has the checkout's name.
 .venv/.installed: .venv/pyvenv.cfg pyproject.toml
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install -qq --editable .
 	mkdir -p .types && ln -sfn .. .types/lodbench
 	touch $@
 
 .venv/.installed-dev: .venv/.installed
-	$(BIN)/python -m pip install --quiet --editable ".[dev]"
+	$(BIN)/python -m pip install -qq --editable ".[dev]"
 	touch $@
 
 .venv/.installed-bench: .venv/.installed-dev
