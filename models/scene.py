@@ -4,7 +4,8 @@ Everything drawable is a node.  An object is a node without children; a tile or 
 a node of a tree.  Conventions: right-handed, z up, metres, quaternions ``x y z w``.
 """
 
-from dataclasses import dataclass, field, replace
+from copy import copy
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class ObjectTypes:
         put(self, "center_m", frozen_array(self.center_m, np.float64, (k, 3), "type center_m"))
         put(self, "radius_m", frozen_array(self.radius_m, np.float64, (k,), "type radius_m"))
         require_finite(self.center_m, "type center_m")
-        require_finite(self.radius_m, "type radius_m", low=0.0)
+        require_finite(self.radius_m, "type radius_m", low=np.finfo(float).tiny)
         if len(self.levels.start) != k + 1:
             got = len(self.levels.start) - 1
             raise InputError(f"levels: expected {k} types as in names, got {got}")
@@ -158,4 +159,6 @@ class Scene:
 
     def with_costs(self, costs: CostModel) -> "Scene":
         """Return the same scene with a cost model that predictive policies may consult."""
-        return replace(self, costs=costs)
+        scene = copy(self)  # shares all arrays, unlike `replace`, which would check them again
+        object.__setattr__(scene, "costs", costs)
+        return scene

@@ -167,6 +167,7 @@ class _Source:
         self._counts = array("d")
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
+        self._previous_centers_m: FloatArray | None = None
         self._previous_s = 0.0
         try:
             policy.reset(self._scene, options.budget_ms)
@@ -200,6 +201,7 @@ class _Source:
             self._previous_camera,
             time_s - self._previous_s,
             self._memory.resident,
+            self._previous_centers_m,
         )
         view = View(state, ids, xyz_m)
         if self._tree is not None:
@@ -208,7 +210,7 @@ class _Source:
         gpu_factor = self._gpu_noise.next()
         selection = self._select(view, Truth(self._truth, gpu_factor))
         self._previous, self._previous_camera = selection, camera
-        self._previous_s = time_s
+        self._previous_s, self._previous_centers_m = time_s, centers_m
         costs_ns = self._record(view, selection, gpu_factor)
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
@@ -342,9 +344,10 @@ class _Source:
             self._policy.capabilities.future,
         )
         columns = [np.frombuffer(getattr(pipeline, name), dtype=np.int64) for name in TIMES]
-        times_ns = np.maximum(np.stack(columns, axis=1), -1)
+        times_ns = np.stack(columns, axis=1)
+        np.maximum(times_ns, -1, out=times_ns)
         counts = np.frombuffer(self._counts, dtype=np.float64).reshape(-1, len(COUNTS))
-        return FrameLog(header, times_ns, counts.copy())
+        return FrameLog(header, times_ns, counts)
 
 
 def _culled(selection: Selection, inside: BoolArray) -> Selection:
