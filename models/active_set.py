@@ -50,7 +50,7 @@ def allocate_by_active_set(
         return early
     search = _Search(weight, cost, budget, power, low, high, low.copy())
     if start is not None:
-        search.begin(np.clip(start, low, high))
+        search.begin(np.clip(start, low, high), max_iterations)
     converged = False
     while not converged and search.iterations < max_iterations:
         converged = search.step()
@@ -103,16 +103,18 @@ class _Search:
         self.held_x = np.zeros(count)
         self._hold(np.flatnonzero(self.held_high), np.flatnonzero(self.held_low))
 
-    def begin(self, start: FloatArray) -> None:
-        """Begin at `start`, scaled down as far as the budget needs.
+    def begin(self, start: FloatArray, max_iterations: int) -> None:
+        """Begin at `start`, scaled down as far as the budget needs, or at `low` if that takes long.
 
         Objects of the highest degradation per cost are scaled first, all by the same factor; if the
-        budget is still exceeded after the last, another round follows.
+        budget is still exceeded after the last, another round follows, which counts as a pass.
         """
         held = self.held_low | self.held_high
         x = np.where(held, self.x, start)
         excess = float(self.cost @ x) - self.budget
         while excess > 0.0:
+            if self.iterations == max_iterations:
+                return
             order = np.argsort(-(self.unit / x), kind="stable")
             less = np.where(held, x, np.maximum(_SHRINK * x, self.low))
             saved = np.cumsum((self.cost * (x - less))[order])
