@@ -33,7 +33,7 @@ class LodManager:
     are the chain itself, and nothing is extracted or shared.
 
     Objects are visited by falling difference between wanted and shown factor; those without a level
-    come first, from the middle of their slots outwards, so that what is shared errs to neither side
+    come first, from the median of their slot outwards, so that what is shared errs to neither side
     (the paper has the order of its array, which would make numbering matter).  With `active` only
     the first so many of those that need another level have their turn, the others wait; objects
     without a level always have theirs.  Objects outside the frustum then count with the factor
@@ -116,10 +116,9 @@ class LodManager:
         seen = view if self.active is None else view.at(self._all)
         kind, lod = seen.type_index, self._wanted_lod(seen)
         place = lod if self.spacing == 1.0 else lod**self.spacing
-        place = place * self._slots[kind]
-        step = np.minimum(np.trunc(place), self._slots[kind] - 1)
+        step = np.minimum(np.trunc(place * self._slots[kind]), self._slots[kind] - 1)
         slot = self._first_slot[kind] + step.astype(np.int32)
-        order, differing = self._order(seen, lod, slot, np.abs(place - step - 0.5))
+        order, differing = self._order(seen, lod, slot)
         self._update(seen, order, lod[order], slot[order])
         source = self._levels.source[view.ids]
         # What an engine does: a look at each object, a sort, and a look at each slot wanted.
@@ -141,9 +140,7 @@ class LodManager:
         np.clip(lod, 0.0, 1.0, out=lod)
         return lod if self._exponent == 1.0 else lod**self._exponent
 
-    def _order(
-        self, seen: View, lod: FloatArray, slot: IntArray, off_middle: FloatArray
-    ) -> tuple[IntArray, int]:
+    def _order(self, seen: View, lod: FloatArray, slot: IntArray) -> tuple[IntArray, int]:
         """Return positions in the order of visits, and how many need another level."""
         shown, shown_lod = self._levels.shown(seen.ids)
         differs = shown != slot
@@ -162,7 +159,8 @@ class LodManager:
         if not count:
             return at[:0], 0
         gap[new] = np.inf
-        order = np.lexsort((seen.distance_m[at], off_middle[at], -gap[at]))
+        off_median = np.abs(lod - _median_of_slot(lod, slot))
+        order = np.lexsort((seen.distance_m[at], off_median[at], -gap[at]))
         return at[order[:limit]], count
 
     def _update(self, seen: View, order: IntArray, lod: FloatArray, slot: IntArray) -> None:
@@ -184,3 +182,11 @@ class LodManager:
         return np.where(
             table.continuous[kind], np.minimum(low + lod * (1.0 - low), 1.0), coarseness
         )
+
+
+def _median_of_slot(lod: FloatArray, slot: IntArray) -> FloatArray:
+    """Return for each object the lower median of the factors wanted in its slot, (m,)."""
+    order = np.lexsort((lod, slot))
+    first = np.searchsorted(slot[order], slot, side="left")
+    last = np.searchsorted(slot[order], slot, side="right") - 1
+    return lod[order[(first + last) // 2]]
