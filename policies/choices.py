@@ -19,7 +19,7 @@ from ..models.scene import Scene
 from ..models.tree import Tree
 from .view import View
 
-__all__ = ["Choices", "Offer", "make_choices", "require_costs"]
+__all__ = ["Choices", "LevelChoices", "Offer", "make_choices", "require_costs"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +36,18 @@ class Offer:
         GPU time that the frame takes whatever is chosen; an upper bound as to state changes.
     objects : (n,) int32
         The candidate of each row.
+    size : (n,) float64
+        Projected area times `weight` of each candidate.
+    samples : (n, L) float64
+        Primitives of each alternative (flat scenes; a hierarchy's fronts have none of their own).
     """
 
     cost_ms: FloatArray
     benefit: FloatArray
     fixed_ms: float
     objects: IntArray
+    size: FloatArray
+    samples: FloatArray
 
 
 class Choices(Protocol):
@@ -74,11 +80,11 @@ def require_costs(scene: Scene, policy: str) -> CostModel:
 def make_choices(scene: Scene, costs: CostModel, exponent: float) -> Choices:
     """Return the alternatives of a scene; accuracy is ``1 - BASE_ERROR / samples^exponent``."""
     if scene.flat:
-        return _Levels(scene, costs, exponent)
+        return LevelChoices(scene, costs, exponent)
     return _Fronts(scene, costs, exponent)
 
 
-class _Levels:
+class LevelChoices:
     """Levels of flat scenes, as tables of one row a type."""
 
     def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
@@ -92,8 +98,8 @@ class _Levels:
         linear, geometry = costs.level_ms(levels)
         self._linear_ms = np.where(real, linear[rows], np.inf)
         self._geometry_ms = geometry[rows]
-        samples = level_primitives(levels)[rows]
-        self._accuracy = _accuracy(samples, exponent)
+        self._samples = level_primitives(levels)[rows]
+        self._accuracy = _accuracy(self._samples, exponent)
         self._resolution = levels.resolution[rows]
         assert self._linear_ms.shape == (kinds, width)
 
@@ -102,15 +108,22 @@ class _Levels:
         kind = view.type_index
         area_px = view.area_px[:, None]
         cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], area_px)
-        size = (view.area_px * weight(view))[:, None]
-        return Offer(cost_ms, size * self._accuracy[kind], _fixed_ms(self._costs, view), view.ids)
+        size = view.area_px * weight(view)
+        benefit = size[:, None] * self._accuracy[kind]
+        fixed_ms = _fixed_ms(self._costs, view)
+        return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
+
+    def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
+        """Return details that lie a share of the way from a column to the next finer one, (n,)."""
+        kind = view.type_index
+        low = self._resolution[kind, column]
+        high = self._resolution[kind, np.maximum(column - 1, 0)]
+        level = column.astype(np.float64)
+        return np.where(self._continuous[kind], low + share * (high - low), level)
 
     def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
         """Return ids and detail of the chosen columns of the kept rows."""
-        kind = view.type_index
-        detail = np.where(
-            self._continuous[kind], self._resolution[kind, column], column.astype(np.float64)
-        )
+        detail = self.between(view, column, np.zeros(len(column)))
         return (view.ids, detail) if keep.all() else (view.ids[keep], detail[keep])
 
 
@@ -158,7 +171,9 @@ class _Fronts:
             score = np.bincount(row[member], gain[member], minlength=n)
             cost_ms[has, column[has]] = total[has]
             benefit[has, column[has]] = score[has]
-        return Offer(cost_ms, benefit, _fixed_ms(self._costs, view), view.ids)
+        size = view.area_px * weight(view)
+        fixed_ms = _fixed_ms(self._costs, view)
+        return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
 
     def _member(self, nodes: IntArray, depth: int | IntArray) -> BoolArray:
         at = self._tree.depth[nodes]

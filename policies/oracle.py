@@ -6,15 +6,16 @@ from typing import ClassVar
 import numpy as np
 
 from ..errors import InputError
-from ..models.arrays import FloatArray, IntArray
-from ..models.knapsack import Choice, Increments, hull_increments, take_increments
+from ..models.arrays import BoolArray, FloatArray, IntArray
+from ..models.knapsack import hull_increments, take_increments
 from ..models.scene import Scene
-from .choices import Choices, Offer, make_choices
+from ..models.smooth_choice import SmoothChoice
+from .choices import LevelChoices, Offer
 from .protocol import Capabilities, Truth
-from .selection import Selection, Work
+from .selection import Selection
 from .view import View
 
-__all__ = ["Oracle", "exact_choice"]
+__all__ = ["Oracle", "exact_choice", "smooth_choice"]
 
 
 @dataclass(slots=True)
@@ -25,8 +26,9 @@ class Oracle:
     the score's own benefit (size · accuracy · importance).  With up to `exact_up_to` objects in
     view HiGHS solves the problem exactly; beyond, increments on the upper hull by falling slope,
     going on behind misfits.  The linear relaxation bounds how far that is from the optimum, and is
-    logged in every frame of an oracle (`benefit_bound`, metric `optimality`).  A continuous type is
-    raised between its knots by what is left of the budget, which makes its relaxation exact.
+    logged in every frame of an oracle (`benefit_bound`, metric `optimality`).  With continuous
+    types in view the convex optimum is found by the price of time at which every object's best
+    response uses the budget up.
 
     Uses: the truth, through the oracle's channel; projected area.
 
@@ -41,7 +43,7 @@ class Oracle:
     _budget_ms: float = field(init=False, default=0.0)
     _scene: Scene = field(init=False)
     _truth: Truth | None = field(init=False, default=None)
-    _choices: Choices | None = field(init=False, default=None)
+    _choices: LevelChoices | None = field(init=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, future=True)
 
@@ -55,7 +57,7 @@ class Oracle:
     def foresee(self, truth: Truth) -> None:
         """Note the truth about the next frame."""
         if self._truth is None or truth.costs is not self._truth.costs:
-            self._choices = make_choices(self._scene, truth.costs, 1.0)
+            self._choices = LevelChoices(self._scene, truth.costs, 1.0)
         self._truth = truth
 
     def select(self, view: View) -> Selection:
@@ -66,23 +68,15 @@ class Oracle:
         if not len(offer.objects):
             return Selection(view.ids, np.zeros(0), predicted_ms=offer.fixed_ms)
         budget_ms = self._budget_ms / self._truth.gpu_factor - offer.fixed_ms
-        increments = hull_increments(offer.cost_ms, offer.benefit)
-        choice = take_increments(increments, budget_ms, skip_misfits=True)
-        column, rows = choice.column, np.arange(len(choice.column))
         soft = view.scene.continuous[view.ids]
-        if len(rows) <= self.exact_up_to and not soft.any():
+        if soft.any():
+            best, _ = smooth_choice(offer, soft).within(budget_ms)
+            return Selection(view.ids, self._choices.between(view, best.column, best.share))
+        increments = hull_increments(offer.cost_ms, offer.benefit)
+        column = take_increments(increments, budget_ms, skip_misfits=True).column
+        if len(column) <= self.exact_up_to:
             column = exact_choice(offer, budget_ms, column)
-        everything = np.ones(len(rows), dtype=np.bool_)
-        ids, detail = self._choices.drawn(view, column, everything)
-        left_ms = budget_ms - choice.cost
-        if soft.any() and left_ms > 0.0:
-            raised = _next_knot(increments, choice, np.flatnonzero(soft))
-            if raised is not None:
-                row, to, cost_ms = raised
-                share = min(1.0, left_ms / cost_ms)
-                finer = self._choices.drawn(view, np.where(rows == row, to, column), everything)[1]
-                detail[row] += share * (finer[row] - detail[row])
-        return Selection(ids, detail, Work())
+        return Selection(view.ids, column.astype(np.float64))
 
 
 def exact_choice(offer: Offer, budget_ms: float, known: IntArray) -> IntArray:
@@ -99,7 +93,7 @@ def exact_choice(offer: Offer, budget_ms: float, known: IntArray) -> IntArray:
             LinearConstraint(one_each, 1, 1),
             LinearConstraint(offer.cost_ms[real][None, :], -np.inf, budget_ms),
         ],
-        integrality=[1] * len(row),
+        integrality=np.ones(len(row), dtype=np.int32),
         bounds=Bounds(0, 1),
         options={"mip_rel_gap": 0.0},
     )
@@ -111,21 +105,9 @@ def exact_choice(offer: Offer, budget_ms: float, known: IntArray) -> IntArray:
     return best
 
 
-def _next_knot(
-    increments: Increments, choice: Choice, soft: IntArray
-) -> tuple[int, int, float] | None:
-    """Return row, column and cost of the steepest knot that a continuous row has left to take."""
-    # Only to a neighbouring knot: in between, cost and benefit are linear by definition.
-    near = np.abs(increments.column - choice.column[increments.owner]) == 1
-    open_ = ~choice.taken & near & np.isin(increments.owner, soft)
-    if not open_.any():
-        return None
-    first = int(open_.argmax())
-    return (
-        int(increments.owner[first]),
-        int(increments.column[first]),
-        float(increments.cost[first]),
-    )
+def smooth_choice(offer: Offer, soft: BoolArray) -> SmoothChoice:
+    """Return the choice of levels and, for the `soft` rows, resolutions that an offer leaves."""
+    return SmoothChoice(offer.cost_ms, offer.benefit, offer.samples, offer.size, soft)
 
 
 def _importance(view: View) -> FloatArray:

@@ -6,7 +6,8 @@ from ..models.arrays import FloatArray
 from ..models.cost import CostModel
 from ..models.knapsack import hull_increments, relaxed_bound
 from ..models.scene import Scene
-from ..policies.choices import make_choices
+from ..policies.choices import LevelChoices
+from ..policies.oracle import smooth_choice
 from ..policies.view import View
 
 __all__ = ["BenefitBound"]
@@ -15,14 +16,14 @@ __all__ = ["BenefitBound"]
 class BenefitBound:
     """Relaxed optimum at the cost that a frame had, for the metric `optimality`.
 
-    Benefit and cost are those that `FlatQuality` and `Accounting` count, continuous types lying
-    linearly between their knots, so that the relaxation is a true bound (and for continuous types
-    of a linear cost model its optimum).  Hierarchies have no bound: NaN.
+    Benefit and cost are those that `FlatQuality` and `Accounting` count, so that the relaxation is
+    a true bound (under a roofline the cost of a continuous type is taken as linear between its
+    knots, which is never less than it is).  Hierarchies have no bound: NaN.
     """
 
     def __init__(self, scene: Scene, costs: CostModel, every: int) -> None:
         self._every = every if scene.flat else 0
-        self._choices = make_choices(scene, costs, 1.0) if self._every else None
+        self._choices = LevelChoices(scene, costs, 1.0) if self._every else None
 
     def of(self, view: View, gpu_ms: float) -> float:
         """Return the bound for a frame of this noise-free GPU time, NaN if it is not computed."""
@@ -31,7 +32,12 @@ class BenefitBound:
         offer = self._choices.offer(view, _importance)
         if not len(offer.objects):
             return 0.0
-        return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), gpu_ms - offer.fixed_ms)
+        # What the frame cost includes rounding: a bound must not fall below the frame itself.
+        budget_ms = gpu_ms * (1.0 + 1e-12) - offer.fixed_ms
+        soft = view.scene.continuous[view.ids]
+        if soft.any():
+            return smooth_choice(offer, soft).within(budget_ms)[1]
+        return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), budget_ms)
 
 
 def _importance(view: View) -> FloatArray:
