@@ -148,14 +148,14 @@ class _Search:
         if not len(broken):
             self.x = target
             return True
-        bound = np.where(falls, self.low, self.high)[broken]
-        part = (bound - self.x[broken]) / (target[broken] - self.x[broken])
+        low, high, x = self.low[broken], self.high[broken], self.x[broken]
+        part = (np.where(falls[broken], low, high) - x) / (target[broken] - x)
         length = float(part.min())
         met = broken[part <= length]
         target -= self.x
         target *= length
         self.x += target
-        self.x[broken] = np.clip(self.x[broken], self.low[broken], self.high[broken])
+        self.x[broken] = np.minimum(np.maximum(self.x[broken], low), high)
         self._hold(met[rises[met]], met[falls[met]])
         return False
 

@@ -1,5 +1,7 @@
 """The active-set search: agrees with Newton, may stop anywhere, starts anywhere."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -27,7 +29,7 @@ def random_instance(seed: int, n: int) -> tuple[FloatArray, FloatArray, FloatArr
 @pytest.mark.parametrize(("budget", "passes"), [(5.0, 1), (20.0, 1), (30.0, 2)])
 def test_by_hand(budget: float, passes: int) -> None:
     """Without a bound in the way one closed form is the answer; one blocked bound takes two."""
-    args = {"power": 2.0, "low": 0.05, "high": 1.0}
+    args: dict[str, Any] = {"power": 2.0, "low": 0.05, "high": 1.0}
     result = allocate_by_active_set(WEIGHT, COST, budget, max_iterations=PLENTY, **args)
     assert result.converged
     assert result.iterations == passes
@@ -48,7 +50,7 @@ def test_budgets_that_leave_no_choice(budget: float) -> None:
 def test_a_multiplier_that_turns_negative_leaves_the_set() -> None:
     """Begun with the light object in full, which the optimum lets go of again."""
     weight, cost = np.array([1.0, 100.0, 100.0]), np.ones(3)
-    args = {"power": 2.0, "low": 0.01, "high": 1.0}
+    args: dict[str, Any] = {"power": 2.0, "low": 0.01, "high": 1.0}
     start = np.array([1.0, 0.01, 0.01])
     result = allocate_by_active_set(weight, cost, 1.05, start=start, max_iterations=PLENTY, **args)
     assert_allclose(result.x, (0.05, 0.5, 0.5), rtol=1e-12)
@@ -69,7 +71,7 @@ def test_agrees_with_newton_from_anywhere(seed: int, n: int, begin: str, power: 
         "high": np.ones(n),
         "random": np.random.default_rng(seed).uniform(0.0, 1.2, n),
     }[begin]
-    args = {"power": power, "low": low, "high": 1.0}
+    args: dict[str, Any] = {"power": power, "low": low, "high": 1.0}
     found = allocate_by_active_set(weight, cost, budget, max_iterations=PLENTY, start=start, **args)
     assert found.converged
     assert kkt_residual(found, weight, cost, budget, **args) < 1e-9
@@ -83,18 +85,18 @@ def test_stops_anywhere_within_bounds_and_budget(start: FloatArray | None) -> No
     """After any number of passes the point is feasible, and more passes bring it closer."""
     weight, cost, low, budget = random_instance(3, 200)
     degradation: list[float] = []
-    for passes in range(1, 200):
+    converged, passes = False, 0
+    while not converged:
+        passes += 1
         result = allocate_by_active_set(
             weight, cost, budget, power=2.0, low=low, high=1.0, max_iterations=passes, start=start
         )
-        assert result.iterations == passes or result.converged
+        converged = result.converged
+        assert result.iterations == passes
         assert float(cost @ result.x) <= budget * (1.0 + 1e-12)
         assert (result.x >= low).all()
         assert (result.x <= 1.0).all()
         degradation.append(float((weight / result.x).sum()))
-        if result.converged:
-            break
-    assert result.converged
     best = float((weight / allocate(weight, cost, budget, power=2.0, low=low, high=1.0).x).sum())
     assert degradation[-1] == pytest.approx(best, rel=1e-12)
     assert (np.diff(degradation[2:]) <= 1e-9).all()
@@ -103,7 +105,7 @@ def test_stops_anywhere_within_bounds_and_budget(start: FloatArray | None) -> No
 def test_a_warm_start_needs_fewer_passes() -> None:
     """From the optimum of a frame that differs little, a fraction of the cold start's passes."""
     weight, cost, low, budget = random_instance(4, 1000)
-    args = {"power": 2.0, "low": low, "high": 1.0, "max_iterations": PLENTY}
+    args: dict[str, Any] = {"power": 2.0, "low": low, "high": 1.0, "max_iterations": PLENTY}
     before = allocate_by_active_set(weight, cost, budget, **args)
     moved = weight * np.exp(np.random.default_rng(5).normal(0.0, 0.002, 1000))
     cold = allocate_by_active_set(moved, cost, 0.999 * budget, **args)
@@ -115,7 +117,7 @@ def test_a_warm_start_needs_fewer_passes() -> None:
 def test_a_repeated_frame_takes_a_few_passes() -> None:
     """Begun at the optimum itself, the bounds that hold are found again at once."""
     weight, cost, low, budget = random_instance(6, 1000)
-    args = {"power": 3.0, "low": low, "high": 1.0, "max_iterations": PLENTY}
+    args: dict[str, Any] = {"power": 3.0, "low": low, "high": 1.0, "max_iterations": PLENTY}
     before = allocate_by_active_set(weight, cost, budget, **args)
     again = allocate_by_active_set(weight, cost, budget, start=before.x, **args)
     assert again.iterations <= 8

@@ -1,6 +1,7 @@
 """The allocation solver by hand: published oracles, the papers' closed forms, and edge cases."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -160,7 +161,7 @@ def test_a_residual_sees_what_is_not_optimal() -> None:
     """The residual of another feasible point is not small, so a small one means something."""
     best = allocate(WEIGHT, COST, 20.0, power=2.0, low=0.05, high=1.0)
     skewed = allocate(WEIGHT * [1.0, 1.01, 1.0], COST, 20.0, power=2.0, low=0.05, high=1.0)
-    args = {"power": 2.0, "low": 0.05, "high": 1.0}
+    args: dict[str, Any] = {"power": 2.0, "low": 0.05, "high": 1.0}
     assert kkt_residual(best, WEIGHT, COST, 20.0, **args) < 1e-14
     assert kkt_residual(skewed, WEIGHT, COST, 20.0, **args) > 1e-3
     assert kkt_residual(best, WEIGHT, COST, 20.5, **args) > 1e-2
@@ -211,7 +212,7 @@ def test_order_does_not_matter(seed: int) -> None:
     rng = np.random.default_rng(seed)
     weight, cost = np.exp(rng.normal(0.0, 2.0, (2, 25)))
     order = rng.permutation(25)
-    args = {"power": 2.0, "low": 0.1, "high": 1.0}
+    args: dict[str, Any] = {"power": 2.0, "low": 0.1, "high": 1.0}
     budget = 0.4 * float(cost.sum())
     plain = allocate(weight, cost, budget, **args).x
     mixed = allocate(weight[order], cost[order], budget, **args).x

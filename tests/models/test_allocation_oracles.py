@@ -15,6 +15,7 @@ from lodbench.models.allocation import Allocation, allocate, kkt_residual
 from lodbench.models.arrays import FloatArray
 
 nlpsol: Any = casadi.nlpsol
+dot: Any = casadi.dot
 SX: Any = casadi.SX
 Solver = Callable[..., Allocation]
 
@@ -46,12 +47,12 @@ class Instance:
 
     def residual(self, result: Allocation) -> float:
         """Return its violation of the optimality conditions."""
-        args = {"power": self.m + 1.0, "low": self.low, "high": 1.0}
+        args: dict[str, Any] = {"power": self.m + 1.0, "low": self.low, "high": 1.0}
         return kkt_residual(result, self.m * self.a, self.cost, self.budget, **args)
 
 
 def draw(seed: int, largest: int) -> Instance:
-    """Draw areas over four decades and triangles over two; m alternates, n goes up to the largest."""
+    """Draw areas over four decades and triangles over two; m alternates, n has a cap."""
     rng = np.random.default_rng(seed)
     n = 1 + int(largest * rng.random() ** 2)
     area, triangles = np.exp(rng.normal(6.0, 1.5, n)), np.exp(rng.normal(7.0, 1.0, n))
@@ -88,8 +89,8 @@ def ipopt(instance: Instance) -> FloatArray:
     scale = instance.degradation(np.clip(np.full(n, 0.5), instance.low, 1.0))
     problem = {
         "x": r,
-        "f": casadi.dot(instance.a / scale, r**-instance.m),  # pyright: ignore[reportUnknownMemberType] - casadi has no types
-        "g": casadi.dot(instance.cost / instance.budget, r),  # pyright: ignore[reportUnknownMemberType] - casadi has no types
+        "f": dot(instance.a / scale, r**-instance.m),
+        "g": dot(instance.cost / instance.budget, r),
     }
     options = {"print_level": 0, "sb": "yes", "tol": 1e-10, "bound_relax_factor": 0.0}
     solver = nlpsol("solver", "ipopt", problem, {"print_time": False, "ipopt": options})
