@@ -53,7 +53,7 @@ def settle_ms(run: Run) -> Statistic:
 
 @metric("lag", "ratio", "lower")
 def overshoot_ratio(run: Run) -> Statistic:
-    """Mean over steps in visible load of the largest work_ms until settled, over the budget.
+    """Mean over steps in visible load of the largest work_ms until the budget has held, over it.
 
     Source: the "unavoidable overshoot" of feedback algorithms in Gobbetti and Bouvier,
     Time-critical multiresolution rendering of large complex models; steps as in settle_ms.

@@ -47,10 +47,9 @@ def missing_objects_per_frame(run: Run) -> Statistic:
 
 
 @metric("quality", "ratio", "higher")
-def optimality(run: Run) -> Statistic | None:
-    """Benefit over the bound of the relaxed problem at the same cost, where the log has the bound.
+def optimality(run: Run) -> Statistic:
+    """Benefit over the most that any selection of the same cost can have, where the log has it.
 
     Source: linear relaxation of the multiple-choice knapsack of Funkhouser and Séquin.
     """
-    bound = run.optional("optimality")
-    return None if bound is None else mean(bound)
+    return ratio(run["benefit"], run["benefit_bound"])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...models.arrays import BoolArray, FloatArray
-from ...sim.frame_log import COUNTS, FrameLog, LogHeader
+from ...sim.frame_log import FrameLog, LogHeader
 
 __all__ = ["MS_PER_NS", "Run"]
 
@@ -50,14 +50,15 @@ class Run:
         """What was replayed."""
         return self.log.header
 
-    def optional(self, column: str) -> FloatArray | None:
-        """Return a count that not every version of the frame log has."""
-        return self[column] if column in COUNTS else None
-
     @cached_property
     def input_ns(self) -> NDArray[np.int64]:
         """Simulated time at which each frame sampled the camera."""
         return self.log["input_ns"][self.warmup :]
+
+    @cached_property
+    def time_s(self) -> FloatArray:
+        """`input_ns` in seconds."""
+        return np.multiply(self.input_ns, 1e-9, dtype=np.float64)
 
     @cached_property
     def work_ms(self) -> FloatArray:

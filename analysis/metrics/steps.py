@@ -47,7 +47,8 @@ class Step:
         comes, to the end of the response, a lower bound.
     settled : bool
     overshoot_ratio : float
-        Largest work_ms from the step until settled, over the budget; at most 1 if the budget held.
+        Largest work_ms over the budget, from the step until it has held for `HOLD_NS`; at most 1
+        if the budget was never exceeded.
     """
 
     frame: int
@@ -101,13 +102,14 @@ def _holds(run: Run) -> BoolArray:
 def _answer(run: Run, onset: int, before: int, top: int, end: int, holds: BoolArray) -> Step:
     settled = bool(holds[onset:end].any())
     last = onset + int(holds[onset:end].argmax()) if settled else end - 1
-    start_ns = int(run.input_ns[onset])
+    start_ns, last_ns = int(run.input_ns[onset]), int(run.input_ns[last])
+    held = min(int(np.searchsorted(run.input_ns, last_ns + HOLD_NS, side="right")), end)
     return Step(
         frame=onset,
         time_ms=start_ns * MS_PER_NS,
         load_before_ms=float(run["full_gpu_ms"][before]),
         load_after_ms=float(run["full_gpu_ms"][onset : top + 1].max()),
-        settle_ms=(int(run.input_ns[last]) - start_ns) * MS_PER_NS,
+        settle_ms=(last_ns - start_ns) * MS_PER_NS,
         settled=settled,
-        overshoot_ratio=float(run.work_ms[onset : last + 1].max() / run.header.budget_ms),
+        overshoot_ratio=float(run.work_ms[onset:held].max() / run.header.budget_ms),
     )

@@ -36,6 +36,7 @@ def make_log() -> MakeLog:
         times[shown, TIMES.index("display_ns")] = np.round(display[shown] * 1e6)
         counts = np.zeros((n, len(COUNTS)))
         counts[:, COUNTS.index("predicted_gpu_ms")] = np.nan
+        counts[:, COUNTS.index("benefit_bound")] = np.nan
         for name, values in columns.items():
             counts[:, COUNTS.index(name)] = values
         header = LogHeader(

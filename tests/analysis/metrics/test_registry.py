@@ -86,6 +86,7 @@ def test_quality_by_hand(make_log: MakeLog) -> None:
     log = make_log(
         benefit=[3.0, 5.0],
         full_benefit=[4.0, 12.0],
+        benefit_bound=[4.0, 6.0],
         degradation=[2.0, 4.0],
         full_degradation=[1.0, 3.0],
         drawn=[10, 0],
@@ -93,6 +94,7 @@ def test_quality_by_hand(make_log: MakeLog) -> None:
         missing=[0, 3],
     )
     assert value("benefit_ratio", log) == pytest.approx(0.5)
+    assert value("optimality", log) == pytest.approx(0.8)
     assert value("degradation_mean", log) == pytest.approx(1.5)
     assert value("sse_px_p95", log) == pytest.approx(1.5)
     assert value("missing_objects_per_frame", log) == pytest.approx(1.5)

@@ -1,0 +1,200 @@
+"""Compare policies: replay each in the same world and score all on the same footing."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+from ..models.hardware import HardwareProfile
+from ..models.scene import Scene
+from ..policies.protocol import why_not_applicable
+from ..policies.registry import PolicySpec
+from ..sim.frame_log import FrameLog
+from ..sim.replay import ReplayOptions
+from ..traces.camera import CameraTrace
+from .bootstrap import BLOCKS
+from .comparison import (
+    Comparison,
+    Conditions,
+    Intervals,
+    PolicyResult,
+    Score,
+)
+from .metrics.registry import METRICS
+from .pareto import find_front
+from .score import Job, Scored, World
+from .uncertainty import LEVEL, Pool, beats, interval, pool_of
+from .workers import run_jobs
+
+__all__ = ["CompareOptions", "Progress", "compare"]
+
+Progress = Callable[[int, int], None]
+"""Called with the replays done and the replays in all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompareOptions:
+    """How to score.
+
+    Attributes
+    ----------
+    warmup : int
+        Frames at the start of each replay that no metric counts.
+    resamples : int
+        Bootstrap resamples, over all draws.
+    draws : int
+        Posterior draws of the cost model to replay, if the profile has them.
+    workers : int
+        Processes; 0 for as many as there are processors.  Results do not depend on it.
+    """
+
+    warmup: int = 30
+    resamples: int = 200
+    draws: int = 16
+    workers: int = 0
+
+    def __post_init__(self) -> None:
+        for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
+            value = getattr(self, name)
+            if value < low:
+                raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
+
+    @property
+    def processes(self) -> int:
+        """Number of processes."""
+        return self.workers or os.cpu_count() or 1
+
+
+def compare(
+    policies: Sequence[PolicySpec],
+    scene: Scene,
+    trace: CameraTrace,
+    hardware: HardwareProfile,
+    replay_options: ReplayOptions,
+    options: CompareOptions | None = None,
+    *,
+    progress: Progress | None = None,
+) -> tuple[Comparison, dict[str, FrameLog]]:
+    """Replay and score policies; return the comparison, and each frame log by label.
+
+    A policy that breaks its contract is reported as failed, and the others are finished.
+
+    Raises
+    ------
+    InputError
+        If a policy is given twice or its parameters are refused.
+    """
+    options = options or CompareOptions()
+    labels = [spec.text for spec in policies]
+    if len(set(labels)) != len(labels):
+        twice = next(label for label in labels if labels.count(label) > 1)
+        raise InputError(f"policy: expected each once, got {twice} twice; name it once")
+    unfit = {spec.text: why_not_applicable(spec.make().capabilities, scene) for spec in policies}
+    world = World(scene, trace, hardware, replay_options, options.warmup)
+    draws = _choose_draws(hardware, options.draws)
+    fit = [label for label in labels if unfit[label] is None]
+    means, drawn = _run(world, fit, draws, options, progress)
+    results = tuple(_result(spec, unfit[spec.text], means, drawn) for spec in policies)
+    scored = [result for result in results if result.status == "ok"]
+    pools = {item.label: pool_of(means[item.label], drawn[item.label]) for item in scored}
+    logs = {label: log for label in pools if (log := means[label].log) is not None}
+    comparison = Comparison(
+        scene=scene.name,
+        trace=trace.name,
+        hardware=hardware.name,
+        budget_ms=replay_options.budget_ms,
+        seed=replay_options.seed,
+        frames=max(map(len, logs.values()), default=0),
+        warmup=options.warmup,
+        conditions=_conditions(world),
+        intervals=Intervals(
+            LEVEL, _per_draw(options, draws) * max(len(draws), 1), BLOCKS, len(draws)
+        ),
+        policies=results,
+        pareto=find_front([item for item in scored if not item.oracle], pools),
+        beats=beats(pools),
+    )
+    return comparison, logs
+
+
+def _choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
+    """Return evenly spaced posterior draws, each once."""
+    available = 0 if hardware.posterior is None else len(hardware.posterior)
+    chosen = np.linspace(0, available - 1, min(count, available)).round()
+    return [int(draw) for draw in chosen]
+
+
+def _per_draw(options: CompareOptions, draws: list[int]) -> int:
+    return -(-options.resamples // max(len(draws), 1))
+
+
+def _run(
+    world: World,
+    labels: list[str],
+    draws: list[int],
+    options: CompareOptions,
+    progress: Progress | None,
+) -> tuple[dict[str, Scored], dict[str, list[Scored]]]:
+    """Score every policy under the mean, then those that did not fail under every draw."""
+    each = _per_draw(options, draws)
+    total, done = len(labels) * (1 + len(draws)), 0
+
+    def tick() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(done, total)
+
+    jobs = [Job(label, None, 0, 0 if draws else each) for label in labels]
+    means = dict(zip(labels, run_jobs(world, jobs, options.processes, tick), strict=True))
+    sound = [label for label in labels if means[label].failure is None]
+    jobs = [Job(label, draw, stream, each) for label in sound for stream, draw in enumerate(draws)]
+    scored = run_jobs(world, jobs, options.processes, tick)
+    drawn = {label: scored[i * len(draws) : (i + 1) * len(draws)] for i, label in enumerate(sound)}
+    return means, drawn
+
+
+def _result(
+    spec: PolicySpec,
+    unfit: str | None,
+    means: dict[str, Scored],
+    drawn: dict[str, list[Scored]],
+) -> PolicyResult:
+    label, oracle = spec.text, spec.cls.capabilities.future
+    if unfit is not None:
+        return PolicyResult(spec.name, label, spec.params, "not-applicable", unfit, oracle, 0, {})
+    mean = means[label]
+    runs = [mean, *drawn.get(label, [])]
+    failure = next((run.failure for run in runs if run.failure is not None), None)
+    if failure is not None:
+        return PolicyResult(spec.name, label, spec.params, "failed", failure, oracle, 0, {})
+    pool: Pool = pool_of(mean, drawn[label])
+    metrics: dict[str, Score] = {}
+    for metric in METRICS:
+        low, high = interval(pool.get(metric.id))
+        value = mean.values[metric.id]
+        metrics[metric.id] = Score(value, low, high, metric.unit, metric.better)
+    frames = 0 if mean.log is None else len(mean.log)
+    return PolicyResult(
+        spec.name, label, spec.params, "ok", None, oracle, frames, metrics, mean.steps
+    )
+
+
+def _conditions(world: World) -> Conditions:
+    display, options = world.hardware.display, world.options
+    return Conditions(
+        display=display.mode,
+        refresh_hz=display.refresh_hz,
+        frames_in_flight=world.hardware.frames_in_flight,
+        width_px=display.width_px,
+        height_px=display.height_px,
+        fovy_deg=options.fovy_deg,
+        crossfade_ms=options.crossfade_ms,
+        measurement_delay=options.measurement_delay,
+        trace_s=world.trace.duration_s,
+        nodes=len(world.scene),
+        hardware_source=world.hardware.provenance.source,
+        hardware_assumed=world.hardware.provenance.assumed,
+    )

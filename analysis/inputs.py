@@ -1,0 +1,60 @@
+"""Camera traces by name or by file, placed into the scene that they are replayed in."""
+
+import difflib
+from pathlib import Path
+from typing import Literal, get_args
+
+from ..errors import InputError
+from ..models.extent import scene_extent
+from ..models.scene import Scene
+from ..traces.camera import CameraTrace
+from ..traces.generate import KINDS, generate
+from ..traces.place import Placement, fit_into, place
+from ..traces.read import read_trace, split_spec
+from ..traces.tour import EYE_M, tour
+
+__all__ = ["BUNDLED_TRACE", "GENERATED_S", "Placing", "load_trace"]
+
+BUNDLED_TRACE = "tour"
+GENERATED_S = 30.0
+"""Length of a trace that is named by its kind of movement."""
+
+Placing = Literal["fit", "center", "none"]
+"""How the trace of a file is put into a scene: scaled to fill it, moved only, or left alone."""
+
+
+def load_trace(spec: str, scene: Scene, placing: str = "fit") -> CameraTrace:
+    """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, or the file cannot be read or placed.
+    """
+    if placing not in get_args(Placing):
+        raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {placing}; name one")
+    middle, size = scene_extent(scene)
+    ground = (float(middle[0]), float(middle[1]), float(middle[2] - 0.5 * size[2]))
+    plan = (float(size[0]), float(size[1]))
+    if spec == BUNDLED_TRACE:
+        return tour(ground, plan)
+    if spec in KINDS:
+        return generate(spec, duration_s=GENERATED_S, extent_m=min(plan), center_m=ground)
+    if not _names_a_file(spec):
+        names = [BUNDLED_TRACE, *KINDS]
+        near = difflib.get_close_matches(spec, names, n=1)
+        hint = f"did you mean {near[0]}?" if near else "name one or give a path"
+        raise InputError(f"trace: expected one of {', '.join(names)} or a file, got {spec}; {hint}")
+    trace = read_trace(spec)
+    if placing == "none":
+        return trace
+    if placing == "fit":
+        return fit_into(trace, center_m=ground, extent_m=plan, eye_height_m=EYE_M)
+    low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
+    x, y = ground[:2] - 0.5 * (low + high)[:2]
+    return place(trace, Placement(offset_m=(float(x), float(y), ground[2] + EYE_M - float(low[2]))))
+
+
+def _names_a_file(spec: str) -> bool:
+    path, _ = split_spec(spec)
+    return path.exists() or path.suffix != "" or len(Path(spec).parts) > 1

@@ -1,0 +1,26 @@
+"""`lodbench report`: write the report of a comparison again."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["report"]
+
+
+def report(
+    run: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A folder that `compare --out` wrote.")
+    ],
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+) -> None:
+    """Write DIR/report.html again from comparison.json and the frame logs beside it."""
+    from ..analysis.output import rewrite_report
+
+    target = rewrite_report(run)
+    if as_json:
+        print(json.dumps({"schema": "lodbench.report/1", "report": str(target)}))
+    else:
+        print(f"report: {target}")
