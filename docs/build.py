@@ -1,4 +1,4 @@
-"""Write the part of `policies.md` that is made from the code; ``--check`` only compares."""
+"""Write the parts of pages that are made from the code; ``--check`` only compares."""
 
 import re
 import sys
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lodbench.cli.list import Item, Kind, known
 
-PAGE = Path(__file__).parent / "policies.md"
+FOLDER = Path(__file__).parent
 MADE = re.compile(r"(<!-- made by docs/build.py -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -42,17 +42,38 @@ def section(item: Item) -> Iterator[str]:
     yield f"Reference: {item['reference']}"
 
 
+def policies() -> Iterator[str]:
+    """Yield what `policies.md` has from the policies themselves."""
+    items = known(Kind.POLICIES)
+    yield from overview(items)
+    for item in items:
+        yield from section(item)
+
+
+def metrics() -> Iterator[str]:
+    """Yield the tables of `metrics.md`, one a group."""
+    items = known(Kind.METRICS)
+    for group in dict.fromkeys(item["group"] for item in items):
+        yield f"\n### {group.capitalize()}\n"
+        yield row("id", "unit", "better", "definition", "source")
+        yield row("---", "---", "---", "---", "---")
+        for item in items:
+            if item["group"] == group:
+                texts = (item["unit"], item["better"], item["definition"], item["source"])
+                yield row(f"`{item['id']}`", *(text.replace("|", r"\|") for text in texts))
+
+
 def main() -> None:
-    """Bring the page up to date, or say that it is not."""
-    policies = known(Kind.POLICIES)
-    lines = [*overview(policies), *(line for item in policies for line in section(item))]
-    made = "\n".join(lines)
-    text = PAGE.read_text(encoding="utf-8")
-    now = MADE.sub(lambda block: f"{block[1]}{made}\n{block[2]}", text)
-    if "--check" not in sys.argv:
-        PAGE.write_text(now, encoding="utf-8")
-    elif now != text:
-        sys.exit(f"error: {PAGE.name}: expected what `make docs` writes, got another text; run it")
+    """Bring the pages up to date, or say which is not."""
+    for name, lines in (("policies.md", policies()), ("metrics.md", metrics())):
+        page = FOLDER / name
+        made = "\n".join(lines)
+        text = page.read_text(encoding="utf-8")
+        now = MADE.sub(lambda block, made=made: f"{block[1]}{made}\n{block[2]}", text)
+        if "--check" not in sys.argv:
+            page.write_text(now, encoding="utf-8")
+        elif now != text:
+            sys.exit(f"error: {name}: expected what `make docs` writes, got another text; run it")
 
 
 if __name__ == "__main__":

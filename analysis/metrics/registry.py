@@ -6,7 +6,7 @@ from ...errors import InputError
 from . import flicker, lag, quality, stability, work
 from .metric import Metric
 
-__all__ = ["METRICS", "find_metric", "metric_reference"]
+__all__ = ["METRICS", "find_metric"]
 
 METRICS: tuple[Metric, ...] = tuple(
     item
@@ -30,18 +30,3 @@ def find_metric(metric_id: str) -> Metric:
     near = difflib.get_close_matches(metric_id, _BY_ID, n=1)
     hint = f"did you mean {near[0]}?" if near else "see `lodbench list metrics`"
     raise InputError(f"metric: expected one of the {len(_BY_ID)} ids, got {metric_id}; {hint}")
-
-
-def metric_reference() -> str:
-    """Return the tables of docs/metrics.md: a Markdown table a group, from the metrics' records."""
-    lines: list[str] = []
-    for group in dict.fromkeys(metric.group for metric in METRICS):
-        lines += [f"### {group.capitalize()}", ""]
-        lines += ["| id | unit | better | definition | source |", "|---|---|---|---|---|"]
-        for metric in METRICS:
-            if metric.group == group:
-                cells = (metric.unit, metric.better, metric.definition, metric.source)
-                row = " | ".join(cell.replace("|", "\\|") for cell in cells)
-                lines.append(f"| `{metric.id}` | {row} |")
-        lines.append("")
-    return "\n".join(lines)
