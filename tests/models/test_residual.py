@@ -47,3 +47,25 @@ def test_correlation_outside_its_range_is_refused(wrong: float):
     """1 would never change, a negative value is not what slow scenes do."""
     with pytest.raises(InputError, match="correlation in"):
         Residual("gaussian", 0.1, correlation=wrong)
+
+
+def test_moments_of_each_kind():
+    """200,000 factors have the mean and deviation that their distribution prescribes."""
+    rng = np.random.default_rng(5)
+    gaussian = Residual("gaussian", 0.1, floor=0.0).factors(rng, 200_000)
+    assert (gaussian.mean(), gaussian.std()) == pytest.approx((1.0, 0.1), abs=2e-3)
+    student = Residual("student-t", 0.1, dof=6.0, floor=0.0).factors(rng, 200_000)
+    deviation = 0.1 * np.sqrt(6.0 / 4.0)  # of Student's t: sqrt(dof / (dof - 2))
+    assert (student.mean(), student.std()) == pytest.approx((1.0, deviation), abs=3e-3)
+    lognormal = np.log(Residual("lognormal", 0.3, floor=0.0).factors(rng, 200_000))
+    assert (lognormal.mean(), lognormal.std()) == pytest.approx((0.0, 0.3), abs=5e-3)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"scale": -0.1}, {"scale": np.nan}, {"dof": 0.0}, {"floor": -0.1}, {"floor": 1.1}],
+)
+def test_impossible_residuals_are_refused(wrong: dict[str, float]):
+    """A negative scale, no degrees of freedom and a floor above the mean are errors."""
+    with pytest.raises(InputError, match="expected scale >= 0, dof > 0 and floor in"):
+        Residual("student-t", **wrong)  # pyright: ignore[reportArgumentType]  # broken on purpose

@@ -1,0 +1,65 @@
+"""Cost models: coefficients by name, and costs by hand."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from lodbench.errors import InputError
+from lodbench.models.cost import CostModel, CpuCostModel
+from lodbench.models.levels import LevelTable
+from lodbench.models.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+
+MakeLevels = Callable[..., LevelTable]
+
+
+def test_coefficients_stand_in_the_order_of_the_predictors() -> None:
+    """A coefficient by name lands in its column; the others are 0."""
+    model = CostModel.of(2.0, {"triangles": 3.0}, {"shaded_samples": 4.0})
+    assert model.linear_ms[GPU_PREDICTORS.index("triangles")] == 3.0
+    assert model.linear_ms.sum() == 3.0
+    assert model.roofline_ms[GPU_PREDICTORS.index("shaded_samples")] == 4.0
+    assert model.has_roofline
+    assert not CostModel.of(2.0, {"triangles": 3.0}).has_roofline
+    cpu = CpuCostModel.of(1.0, {"comparisons": 5.0})
+    assert cpu.linear_ms[CPU_PREDICTORS.index("comparisons")] == 5.0
+
+
+def test_costs_of_levels_and_objects_by_hand(make_levels: MakeLevels) -> None:
+    """Linear and pixel costs add up; of geometry and pixels in the roofline the larger counts."""
+    model = CostModel.of(
+        0.0,
+        {"triangles": 1e-3, "draw_calls": 0.5, "shaded_samples": 1e-4},
+        {"triangles": 2e-3, "shaded_samples": 1e-2},
+    )
+    linear, geometry = model.level_ms(make_levels([(1000, 100)]))
+    assert linear == pytest.approx([1.5, 0.6])
+    assert geometry == pytest.approx([2.0, 0.2])
+    cost = model.object_ms(linear, geometry, np.array([50.0, 50.0]))
+    assert cost == pytest.approx([1.5 + 0.005 + 2.0, 0.6 + 0.005 + 0.5])
+
+
+@pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf])
+def test_impossible_coefficients_are_refused(bad: float) -> None:
+    """Negative, NaN and infinite milliseconds are errors wherever they stand."""
+    with pytest.raises(InputError, match="base: expected milliseconds >= 0"):
+        CostModel.of(bad, {})
+    with pytest.raises(InputError, match="linear: expected finite values >= 0"):
+        CostModel.of(0.0, {"triangles": bad})
+    with pytest.raises(InputError, match="roofline: expected finite values >= 0"):
+        CostModel.of(0.0, {}, {"triangles": bad})
+    with pytest.raises(InputError, match="cpu base: expected milliseconds >= 0"):
+        CpuCostModel.of(bad, {})
+    with pytest.raises(InputError, match="cpu linear: expected finite values >= 0"):
+        CpuCostModel.of(0.0, {"iterations": bad})
+
+
+def test_unknown_predictors_are_refused() -> None:
+    """A name that is none of the predictors is named, and the known ones are listed."""
+    with pytest.raises(InputError, match=r"linear: expected predictors among .*got tris"):
+        CostModel.of(0.0, {"tris": 1.0})
+    with pytest.raises(InputError, match=r"cpu linear: expected predictors .*got triangles"):
+        CpuCostModel.of(0.0, {"triangles": 1.0})
+    with pytest.raises(InputError, match="linear_ms: expected shape"):
+        CostModel(0.0, np.zeros(2), np.zeros(len(GPU_PREDICTORS)))
