@@ -49,6 +49,9 @@ class Selection:
         GPU time that a predictive policy expects; NaN if it predicts none.
     wanted : (w,) int32, optional
         Nodes that the loader is to have in memory, by falling priority; None keeps the last list.
+    render_scale : float
+        Width of the picture rendered over the window's, in (0, 1]; the display scales it up.  Its
+        square multiplies pixels, and with them benefit, whose size is counted in pixels.
     """
 
     ids: IntArray
@@ -57,6 +60,7 @@ class Selection:
     holder: IntArray | None = None
     predicted_ms: float = float("nan")
     wanted: IntArray | None = None
+    render_scale: float = 1.0
 
 
 def find_violation(
@@ -73,7 +77,7 @@ def find_violation(
         _wrong_array("ids", ids, "i", None)
         or _wrong_array("detail", detail, "f", len(ids))
         or (None if holder is None else _wrong_array("holder", holder, "i", len(ids)))
-        or _wrong_numbers(selection.work, selection.predicted_ms)
+        or _wrong_numbers(selection.work, selection.predicted_ms, selection.render_scale)
         or (None if selection.wanted is None else _wrong_wanted(selection.wanted, scene))
     )
     if wrong or len(ids) == 0:
@@ -98,7 +102,7 @@ def _wrong_array(name: str, array: Any, kind: str, length: int | None) -> str | 
     return None
 
 
-def _wrong_numbers(work: object, predicted_ms: object) -> str | None:
+def _wrong_numbers(work: object, predicted_ms: object, render_scale: object) -> str | None:
     if not isinstance(work, Work):
         return f"work: expected a Work, got {type(work).__name__}"
     for name in ("objects_visited", "comparisons", "iterations"):
@@ -107,6 +111,8 @@ def _wrong_numbers(work: object, predicted_ms: object) -> str | None:
             return f"work: expected a finite number of {name} >= 0, got {count}"
     if not isinstance(predicted_ms, (int, float, np.number)) or predicted_ms < 0:
         return f"predicted_ms: expected milliseconds >= 0 or NaN, got {predicted_ms}"
+    if not isinstance(render_scale, (int, float, np.number)) or not 0 < render_scale <= 1:
+        return f"render_scale: expected a number in (0, 1], got {render_scale}"
     return None
 
 

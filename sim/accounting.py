@@ -69,8 +69,11 @@ class Accounting:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
         return self._price(self._finest.take(view.type_index), None, view.area_px, 0).gpu_ms
 
-    def tally(self, time_ns: int, drawn: Drawn) -> Tally:
-        """Return counts and noise-free GPU time, the old level of every cross-fade included."""
+    def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
+        """Return counts and noise-free GPU time, the old level of every cross-fade included.
+
+        Shaded samples and the framebuffer's pixels go with the square of the render scale.
+        """
         row, fraction, area_px = drawn.row, drawn.fraction, drawn.area_px
         at, old_row = self.switches.fading(time_ns, drawn.ids)
         if len(at):
@@ -78,7 +81,10 @@ class Accounting:
             area_px = np.concatenate((area_px, area_px[at]))
             if fraction is not None:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
-        return self._price(row, fraction, area_px, len(at))
+        pixel_share = render_scale * render_scale
+        if pixel_share != 1.0:
+            area_px = pixel_share * area_px
+        return self._price(row, fraction, area_px, len(at), pixel_share)
 
     def _price(
         self,
@@ -86,6 +92,7 @@ class Accounting:
         fraction: FloatArray | None,
         area_px: FloatArray,
         fading: int,
+        pixel_share: float = 1.0,
     ) -> Tally:
         costs, linear = self._costs, self._costs.linear_ms
         times_drawn = self._times_drawn(row, fraction)
@@ -95,7 +102,7 @@ class Accounting:
         samples = float(area_px.sum())
         ms = costs.base_ms + float((counts * linear[:_P]).sum())
         ms += samples * float(linear[SHADED_SAMPLES])
-        ms += self.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
+        ms += pixel_share * self.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
         ms += changes * float(linear[STATE_CHANGES])
         if costs.has_roofline:
             geometry = self._geometry_ms.take(row)

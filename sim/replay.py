@@ -258,7 +258,8 @@ class _Source:
         switches = accounting.switches.record(view.frame, view.time_ns, drawn)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
-        tally = accounting.tally(view.time_ns, drawn)
+        tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
+        share = selection.render_scale * selection.render_scale
         units = self._quality.units(view)
         quality = self._quality.score(drawn, units)
         sse_px_p95, sse_px_max = screen_errors(drawn)
@@ -298,10 +299,11 @@ class _Source:
                 switches.popping_px,
                 sse_px_p95,
                 sse_px_max,
-                quality.benefit,
+                share * quality.benefit,
                 quality.full_benefit,
-                self._bound.of(view, tally.gpu_ms),
-                quality.degradation,
+                # The bound is that of pictures rendered at full size.
+                self._bound.of(view, tally.gpu_ms) if share == 1.0 else math.nan,
+                quality.degradation / share,
                 quality.full_degradation,
                 self._memory.memory_bytes,
                 loaded_bytes,
