@@ -1,14 +1,20 @@
 """Fixtures of the simulator: runs of the pipeline with scripted costs."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import Display, DisplayMode
+from lodbench.models.hardware import Display, DisplayMode, HardwareProfile
+from lodbench.models.scene import Scene
+from lodbench.policies.protocol import Capabilities, Policy
+from lodbench.policies.selection import Selection
+from lodbench.policies.view import View
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from lodbench.sim.pipeline import Pipeline
+from lodbench.sim.replay import ReplayOptions, replay
+from lodbench.traces.camera import CameraTrace
 
 
 class _Script:
@@ -65,3 +71,64 @@ def _run_frames(
     pipeline = Pipeline(_Script(cpu_ns, gpu_ns), Display(**display), frames_in_flight)
     pipeline.run()
     return pipeline
+
+
+class _Scripted:
+    """Draws given details, one row a frame (the last for ever) and one value a candidate."""
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    def __init__(
+        self,
+        details: Sequence[Any],
+        change: Callable[[View, Selection], Selection] | None = None,
+        **selection: Any,
+    ) -> None:
+        self.details, self.change, self.selection = details, change, selection
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Prepare nothing."""
+
+    def select(self, view: View) -> Selection:
+        """Return the row of the frame, changed at the end if asked for."""
+        row = self.details[min(view.frame, len(self.details) - 1)]
+        detail = np.broadcast_to(np.asarray(row, dtype=np.float64), (len(view),))
+        selection = Selection(view.ids, detail, **self.selection)
+        return self.change(view, selection) if self.change else selection
+
+
+@pytest.fixture(scope="session")
+def scripted() -> Callable[..., Policy]:
+    """Return a policy class that draws given details and changes selections as told."""
+    return _Scripted
+
+
+@pytest.fixture(scope="session")
+def run(
+    make_scene: Callable[..., Scene],
+    make_hardware: Callable[..., HardwareProfile],
+    make_trace: Callable[..., CameraTrace],
+) -> Callable[..., FrameLog]:
+    """Return a function that replays a policy on objects 10 m ahead of a camera that stands."""
+
+    def replayed(
+        policy: Policy,
+        frames: int = 1,
+        *,
+        positions: Any = ((0.0, 0.0, -10.0),),
+        hardware: HardwareProfile | None = None,
+        scene: Scene | None = None,
+        options: dict[str, Any] | None = None,
+        **more: Any,
+    ) -> FrameLog:
+        given: dict[str, Any] = {"budget_ms": 10.0, "fovy_deg": 90.0, **(options or {})}
+        return replay(
+            policy,
+            scene or make_scene(positions, **more),
+            make_trace(),
+            hardware or make_hardware(),
+            ReplayOptions(frames=frames, **given),
+            name="scripted",
+        )
+
+    return replayed

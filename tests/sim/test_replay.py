@@ -1,0 +1,93 @@
+"""Replays as a whole: motion, ends, options, failures, determinism, conservation."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lodbench.errors import InputError
+from lodbench.models.hardware import HardwareProfile
+from lodbench.models.motion import Motion
+from lodbench.models.scene import Scene
+from lodbench.policies.full import Full
+from lodbench.policies.protocol import Policy
+from lodbench.policies.selection import Selection
+from lodbench.policies.view import View
+from lodbench.sim.frame_log import FrameLog
+from lodbench.sim.replay import ReplayOptions, replay
+from lodbench.traces.camera import CameraTrace
+
+Run = Callable[..., FrameLog]
+MakePolicy = Callable[..., Policy]
+MakeScene = Callable[..., Scene]
+MakeHardware = Callable[..., HardwareProfile]
+MakeTrace = Callable[..., CameraTrace]
+
+
+def test_moving_objects_move(run: Run, make_scene: MakeScene, make_hardware: MakeHardware) -> None:
+    """A node that circles out of view is culled while it is out, after half a turn of 2 s."""
+    motion = Motion(np.array([0]), np.array([40.0]), np.array([math.pi]), np.array([0.0]))
+    scene = make_scene([(0.0, 0.0, -10.0)], motion=motion)
+    hardware = make_hardware({}, base_ms=1e-6, cpu_base_ms=500.0)
+    log = run(Full(), 5, scene=scene, hardware=hardware)
+    assert log["visible"].tolist() == [1, 0, 0, 0, 1]
+
+
+def test_apparent_speed_of_a_moving_node(
+    run: Run, scripted: MakePolicy, make_scene: MakeScene, make_hardware: MakeHardware
+) -> None:
+    """Passing at 1 m/s and 10 m, a node turns by atan(0.1 / 10) in 0.1 s, camera at rest."""
+    motion = Motion(np.array([0]), np.array([1.0]), np.array([1.0]), np.array([0.5 * math.pi]))
+    scene = make_scene([(0.0, 0.0, -10.0)], motion=motion)
+    seen: list[float] = []
+
+    def watch(view: View, selection: Selection) -> Selection:
+        seen.extend(view.speed_deg_s)
+        return selection
+
+    run(scripted([0], watch), 2, scene=scene, hardware=make_hardware({}, cpu_base_ms=100.0))
+    offset = motion.offset_m(0.1)[0]
+    angle = math.degrees(math.atan2(math.hypot(offset[0], offset[1]), 10.0))
+    assert seen == pytest.approx([0.0, angle / 0.1])
+
+
+def test_predictions_are_noted(run: Run, scripted: MakePolicy) -> None:
+    """What a policy predicts stands beside what the frame took."""
+    assert run(scripted([0], predicted_ms=1.75))["predicted_gpu_ms"][0] == 1.75
+
+
+def test_posterior_draws_play_the_truth(run: Run, make_hardware: MakeHardware) -> None:
+    """A draw that the profile does not have is refused before any frame."""
+    with pytest.raises(InputError, match="has 0 posterior draws"):
+        run(Full(), hardware=make_hardware(), options={"draw": 0})
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"budget_ms": 0.0}, "budget: expected milliseconds > 0"),
+        ({"budget_ms": math.nan}, "budget: expected milliseconds > 0"),
+        ({"frames": 0}, "frames: expected 1 to"),
+        ({"crossfade_ms": -1.0}, "crossfade: expected milliseconds >= 0"),
+        ({"measurement_delay": 17}, "measurement delay: expected 0 to 16"),
+        ({"seed": -1}, "seed: expected an integer >= 0"),
+    ],
+)
+def test_impossible_options_are_refused(options: dict[str, Any], message: str) -> None:
+    """Each option says what it expects."""
+    with pytest.raises(InputError, match=message):
+        replace(ReplayOptions(budget_ms=1.0), **options)
+
+
+def test_a_replay_ends_with_its_trace(
+    make_scene: MakeScene, make_hardware: MakeHardware, make_trace: MakeTrace
+) -> None:
+    """A trace of 1 s and frames of 0.25 s of CPU give inputs at 0 to 1 s, the end included."""
+    trace = make_trace([(0.0, 0.0, 0.0), (4.0, 0.0, 0.0)])
+    hardware = make_hardware({}, cpu_base_ms=250.0)
+    options = ReplayOptions(budget_ms=10.0)
+    log = replay(Full(), make_scene([(0, 0, -10.0)]), trace, hardware, options, name="full")
+    assert log["x_m"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
