@@ -1,11 +1,32 @@
-"""Discrete levels for policies that choose resolutions."""
+"""Discrete levels for policies that choose resolutions, and the reverse.
+
+The discretisation of a continuous type is the knots of its level table.
+"""
 
 import numpy as np
 
 from ..models.arrays import FloatArray, IntArray
 from ..models.levels import LevelTable
 
-__all__ = ["nearest_level"]
+__all__ = ["detail_of_level", "level_of_detail", "nearest_level"]
+
+
+def detail_of_level(levels: LevelTable, type_index: IntArray, level: FloatArray) -> FloatArray:
+    """Return what a selection calls a level: its index, or the resolution of a knot, (m,)."""
+    if not levels.continuous.any():
+        return level
+    resolution = levels.resolution[levels.start[type_index] + level.astype(np.int32)]
+    return np.where(levels.continuous[type_index], resolution, level)
+
+
+def level_of_detail(levels: LevelTable, type_index: IntArray, detail: FloatArray) -> FloatArray:
+    """Return the level index of each detail, between knots that of the coarser; NaN stays, (m,)."""
+    if not levels.continuous.any():
+        return detail
+    soft = levels.continuous[type_index] & np.isfinite(detail)
+    level = detail.copy()
+    level[soft] = nearest_level(levels, type_index[soft], detail[soft])
+    return level
 
 
 def nearest_level(levels: LevelTable, type_index: IntArray, resolution: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.scene import Scene
 from .protocol import Capabilities
-from .selection import Selection, Work
+from .selection import Selection
 from .static_screen import StaticScreen
 from .view import Completed, View
 
@@ -50,7 +50,7 @@ class Feedback:
     _seen: int = field(init=False, default=0)
     _levels: StaticScreen = field(init=False, default_factory=StaticScreen)
 
-    capabilities: ClassVar[Capabilities] = Capabilities()
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from a bias of 1."""
@@ -69,8 +69,7 @@ class Feedback:
     def select(self, view: View) -> Selection:
         """Steer the bias, then return a level for every candidate."""
         self._steer(view.completed)
-        level = self._levels.levels(view, self._bias)
-        return Selection(view.ids, level, Work(objects_visited=len(view.ids)))
+        return self._levels.select_biased(view, self._bias)
 
     def _steer(self, completed: Completed) -> None:
         if len(completed) == self._seen:

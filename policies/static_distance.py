@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.arrays import FloatArray
 from ..models.scene import Scene
+from .discretise import detail_of_level, level_of_detail
 from .protocol import Capabilities
 from .selection import Selection, Work
 from .view import View
@@ -29,7 +30,8 @@ class StaticDistance:
     """Idea: ``lod = clamp(1 - (d - near) / (far - near), 0, 1)``, spread evenly over the levels.
 
     A node returns to a finer level only when it is nearer than that level's threshold by the
-    hysteresis share, as in three.js: up at 50 m, back at 45 m with 0.1.
+    hysteresis share, as in three.js: up at 50 m, back at 45 m with 0.1.  Levels of continuous
+    types are their knots.
 
     Uses: distance to the bounding sphere's centre.
 
@@ -48,7 +50,7 @@ class StaticDistance:
     _per_m: float = field(init=False, default=0.0)
     _count: FloatArray = field(init=False, default_factory=lambda: np.zeros(0))
 
-    capabilities: ClassVar[Capabilities] = Capabilities()
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Resolve distances that depend on the scene."""
@@ -73,11 +75,13 @@ class StaticDistance:
         np.clip(level, 0.0, count, out=level)
         if self.hysteresis:
             self._hold(level, view)
-        return Selection(view.ids, level, Work(objects_visited=len(view.ids)))
+        detail = detail_of_level(view.scene.types.levels, view.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
     def _hold(self, level: FloatArray, view: View) -> None:
         """Keep the previous level where a node is only slightly nearer than its threshold."""
-        before = view.previous_detail
+        table = view.scene.types.levels
+        before = level_of_detail(table, view.type_index, view.previous_detail)
         count = self._count[view.type_index]
         threshold_m = self._near_m + before / (count * self._per_m)
         near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.arrays import FloatArray
 from ..models.scene import Scene
+from .discretise import detail_of_level, level_of_detail
 from .protocol import Capabilities
 from .selection import Selection, Work
 from .view import View
@@ -43,7 +44,7 @@ class StaticScreen:
     """Idea: level i is drawn while projected height is at least ``first · ratio^i`` of the screen.
 
     A node goes to a coarser level at the threshold S and returns at ``S + hysteresis``, as in
-    Unreal.
+    Unreal.  Levels of continuous types are their knots.
 
     Uses: distance and radius of the bounding sphere, field of view.
 
@@ -62,7 +63,7 @@ class StaticScreen:
     hysteresis: float = 0.01  # ours; 0 is Unity's behaviour
     _coarsest: FloatArray = field(init=False, default_factory=lambda: np.zeros(0))
 
-    capabilities: ClassVar[Capabilities] = Capabilities()
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and note each type's coarsest level."""
@@ -75,8 +76,13 @@ class StaticScreen:
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
-        level = self.levels(view, self.bias)
-        return Selection(view.ids, level, Work(objects_visited=len(view.ids)))
+        return self.select_biased(view, self.bias)
+
+    def select_biased(self, view: View, bias: float) -> Selection:
+        """Return a level for every candidate under another bias than the policy's own."""
+        levels = view.scene.types.levels
+        detail = detail_of_level(levels, view.type_index, self.levels(view, bias))
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
     def levels(self, view: View, bias: float) -> FloatArray:
         """Return the level of every candidate under a bias, with hysteresis, (m,)."""
@@ -85,7 +91,8 @@ class StaticScreen:
         coarsest = self._coarsest[view.type_index]
         level = screen_level(height, coarsest, self.first, self.ratio)
         if self.hysteresis:
-            before = view.previous_detail
+            table = view.scene.types.levels
+            before = level_of_detail(table, view.type_index, view.previous_detail)
             height -= self.hysteresis
             np.maximum(height, 1e-9, out=height)
             late = screen_level(height, coarsest, self.first, self.ratio)
