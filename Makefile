@@ -18,7 +18,7 @@ compare: .venv/.installed
 	$(BIN)/lodbench compare --out out/compare
 
 test: .venv/.installed-dev
-	$(BIN)/pytest -n auto --dist loadfile -m "not slow" --ignore=tests/benchmarks $(PYTEST_FLAGS)
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow" --ignore=tests/benchmarks $(PYTEST_FLAGS)
 
 test-slow: .venv/.installed-dev
 	$(BIN)/pytest -n auto -m slow --ignore=tests/benchmarks $(PYTEST_FLAGS)
