@@ -128,7 +128,7 @@ class LodManager:
         return Selection(view.ids, detail, work, source if self._shares.any() else None)
 
     def _steer(self, completed: Completed) -> None:
-        ratio = self._reports.newest_ms(completed, self._target_ms) / self._target_ms
+        ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
         if math.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
             return
         step = self.gain if ratio > 1.0 else 1.0 / self.gain

@@ -35,6 +35,7 @@ REGISTERED = {
     "gobbetti-custom": "gobbetti_custom:GobbettiCustom",
     "wimmer": "wimmer:Wimmer",
     "peng": "peng:Peng",
+    "pixel-error": "pixel_error:PixelError",
     "oracle": "oracle:Oracle",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
