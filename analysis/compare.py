@@ -1,7 +1,8 @@
 """Compare policies: replay each in the same world and score all on the same footing."""
 
+import itertools
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ from .metrics.registry import METRICS
 from .pareto import find_front
 from .score import Job, Scored, World
 from .uncertainty import LEVEL, Pool, beats, interval, pool_of
-from .workers import run_jobs
+from .workers import RunJobs, started
 
 __all__ = ["CompareOptions", "Progress", "compare"]
 
@@ -95,7 +96,11 @@ def compare(
     world = World(scene, trace, hardware, replay_options, options.warmup)
     draws = _choose_draws(hardware, options.draws)
     fit = [label for label in labels if unfit[label] is None]
-    means, drawn = _run(world, fit, draws, options, progress)
+    total = len(fit) * (1 + len(draws))
+    with started(world, min(options.processes, total)) as run_jobs:
+        means, drawn = _run(
+            fit, draws, _per_draw(options, draws), _counted(run_jobs, total, progress)
+        )
     results = tuple(_result(spec, unfit[spec.text], means, drawn) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
     pools = {item.label: pool_of(means[item.label], drawn[item.label]) for item in scored}
@@ -130,28 +135,29 @@ def _per_draw(options: CompareOptions, draws: list[int]) -> int:
     return -(-options.resamples // max(len(draws), 1))
 
 
+def _counted(run_jobs: RunJobs, total: int, progress: Progress | None) -> RunJobs:
+    """Return `run_jobs`, telling of each finished job."""
+    if progress is None:
+        return run_jobs
+    done = itertools.count(1)
+
+    def run(jobs: Sequence[Job]) -> Iterator[Scored]:
+        for scored in run_jobs(jobs):
+            progress(next(done), total)
+            yield scored
+
+    return run
+
+
 def _run(
-    world: World,
-    labels: list[str],
-    draws: list[int],
-    options: CompareOptions,
-    progress: Progress | None,
+    labels: list[str], draws: list[int], each: int, run_jobs: RunJobs
 ) -> tuple[dict[str, Scored], dict[str, list[Scored]]]:
     """Score every policy under the mean, then those that did not fail under every draw."""
-    each = _per_draw(options, draws)
-    total, done = len(labels) * (1 + len(draws)), 0
-
-    def tick() -> None:
-        nonlocal done
-        done += 1
-        if progress is not None:
-            progress(done, total)
-
     jobs = [Job(label, None, 0, 0 if draws else each) for label in labels]
-    means = dict(zip(labels, run_jobs(world, jobs, options.processes, tick), strict=True))
+    means = dict(zip(labels, run_jobs(jobs), strict=True))
     sound = [label for label in labels if means[label].failure is None]
     jobs = [Job(label, draw, stream, each) for label in sound for stream, draw in enumerate(draws)]
-    scored = run_jobs(world, jobs, options.processes, tick)
+    scored = list(run_jobs(jobs))
     drawn = {label: scored[i * len(draws) : (i + 1) * len(draws)] for i, label in enumerate(sound)}
     return means, drawn
 

@@ -2,41 +2,37 @@
 
 import pickle
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context
+from typing import TypeAlias
 
 from .score import Job, Scored, World, score
 
-__all__ = ["Tick", "run_jobs"]
+__all__ = ["RunJobs", "started"]
 
-Tick = Callable[[], None]
-"""Called when a job is finished."""
+RunJobs: TypeAlias = Callable[[Sequence[Job]], Iterable[Scored]]
+"""Yields the score of each job as it is finished, in the order of the jobs."""
 
 _world: World | None = None
 """The world of a worker process."""
 
 
-def run_jobs(world: World, jobs: Sequence[Job], workers: int, tick: Tick) -> list[Scored]:
-    """Return the score of each job, in their order."""
-    count = min(workers, len(jobs))
-    scored: list[Scored] = []
-    if count <= 1:
-        for job in jobs:
-            scored.append(score(world, job))
-            tick()
-        return scored
+@contextmanager
+def started(world: World, workers: int) -> Generator[RunJobs]:
+    """Start workers, and yield what runs jobs on them; with one worker it runs them here."""
+    if workers <= 1:
+        yield lambda jobs: (score(world, job) for job in jobs)
+        return
     with ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=_start, initargs=_pack(world)
+        workers, mp_context=get_context("spawn"), initializer=_start, initargs=_pack(world)
     ) as pool:
         try:
-            for result in pool.map(_score_here, jobs):
-                scored.append(result)
-                tick()
+            yield lambda jobs: pool.map(_score_here, jobs)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return scored
 
 
 def _pack(world: World) -> tuple[bytes, list[bytes]]:

@@ -1,12 +1,22 @@
-"""Frame logs built by hand."""
+"""Frame logs built by hand, and a small world to replay in."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from lodbench.models.cost import CostModel, CpuCostModel
+from lodbench.models.hardware import HardwareProfile, Posterior, Provenance
+from lodbench.models.levels import LevelTable
+from lodbench.models.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from lodbench.models.residual import Residual
+from lodbench.models.scene import ObjectTypes, Scene
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
+from lodbench.traces.camera import CameraTrace
+from lodbench.traces.orientation import look_along
 
 MakeLog = Callable[..., FrameLog]
 
@@ -45,3 +55,124 @@ def make_log() -> MakeLog:
         return FrameLog(header, times, counts)
 
     return build
+
+
+@pytest.fixture(scope="session")
+def small_scene() -> Scene:
+    """Sixty objects of one type with three levels, in front of the origin along +x."""
+    counts = np.zeros((3, len(LEVEL_PREDICTORS)))
+    counts[:, LEVEL_PREDICTORS.index("draw_calls")] = 1
+    counts[:, LEVEL_PREDICTORS.index("triangles")] = (2000, 500, 100)
+    counts[:, LEVEL_PREDICTORS.index("vertices")] = (1000, 250, 50)
+    levels = LevelTable(
+        start=np.array([0, 3]),
+        counts=counts,
+        error_m=np.array([0.0, 0.02, 0.1]),
+        bytes=counts.sum(axis=1) * 12.0,
+        continuous=np.array([False]),
+    )
+    types = ObjectTypes(("block",), np.zeros((1, 3)), np.array([1.0]), levels)
+    x, y = np.meshgrid(np.arange(5.0, 65.0, 6.0), np.arange(-7.5, 8.0, 3.0))
+    n = x.size
+    return Scene(
+        name="small",
+        types=types,
+        type_index=np.zeros(n, dtype=np.int32),
+        position_m=np.column_stack((x.ravel(), y.ravel(), np.ones(n))),
+        orientation_xyzw=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
+        scale=np.ones(n),
+        importance=np.ones(n),
+        parent=np.full(n, -1, dtype=np.int32),
+        additive=np.zeros(n, dtype=np.bool_),
+    )
+
+
+@pytest.fixture(scope="session")
+def turn_trace() -> CameraTrace:
+    """Three seconds at the origin: the first looking away from the objects, then at them."""
+    time_s = np.arange(181) / 60.0
+    heading = np.where(time_s < 1.0, np.pi, 0.0)
+    return CameraTrace(
+        "turn",
+        time_s,
+        np.tile([0.0, 0.0, 1.6], (len(time_s), 1)),
+        look_along(heading, np.zeros_like(heading)),
+        np.append(False, np.diff(heading) != 0.0),
+    )
+
+
+@pytest.fixture(scope="session")
+def machine() -> HardwareProfile:
+    """Return a machine that takes 13 ms for the sixty objects in full, 1.6 ms at the coarsest."""
+    return HardwareProfile(
+        name="machine",
+        provenance=Provenance("made up for tests", assumed=True),
+        gpu=CostModel.of(1.0, {"triangles": 1e-4}),
+        cpu=CpuCostModel.of(4.0, {"objects_visited": 1e-4}),
+        gpu_residual=Residual("gaussian", 0.02),
+    )
+
+
+@pytest.fixture(scope="session")
+def fitted_machine(machine: HardwareProfile) -> HardwareProfile:
+    """Return the machine with six posterior draws of its triangle cost, 20 % apart at most."""
+    linear = np.zeros((6, len(GPU_PREDICTORS)))
+    linear[:, GPU_PREDICTORS.index("triangles")] = 1e-4 * np.linspace(0.8, 1.2, 6)
+    return replace(machine, posterior=Posterior(np.ones(6), linear, np.full(6, 0.02)))
+
+
+@pytest.fixture
+def bad_policies(tmp_path: Path) -> Path:
+    """Return a user's file with policies that break the contract or are out of the ordinary."""
+    path = tmp_path / "mine.py"
+    path.write_text(BAD_POLICIES, encoding="utf-8")
+    return path
+
+
+BAD_POLICIES = '''
+import numpy as np
+from lodbench.policies.protocol import Capabilities
+from lodbench.policies.selection import Selection
+
+
+class Coarsest:
+    """Not broken: the coarsest level of everything."""
+
+    capabilities = Capabilities()
+
+    def reset(self, scene, budget_ms):
+        pass
+
+    def select(self, view):
+        return Selection(view.ids, np.full(len(view.ids), 2.0))
+
+
+class Raises(Coarsest):
+    def select(self, view):
+        if view.frame == 70:
+            raise ValueError("lost <b>patience</b>")
+        return super().select(view)
+
+
+class Nan(Coarsest):
+    def select(self, view):
+        return Selection(view.ids, np.full(len(view.ids), np.nan))
+
+
+class Short(Coarsest):
+    def select(self, view):
+        return Selection(view.ids, np.zeros(max(len(view.ids) - 1, 0)))
+
+
+class TooCoarse(Coarsest):
+    def select(self, view):
+        return Selection(view.ids, np.full(len(view.ids), 3.0))
+
+
+class OnlyTrees(Coarsest):
+    capabilities = Capabilities(levels=False, hierarchy=True)
+
+
+class Seer(Coarsest):
+    capabilities = Capabilities(future=True)
+'''
