@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.errors import InputError
+from lodbench.errors import InputError, PolicyError
 from lodbench.models.hardware import HardwareProfile
 from lodbench.models.motion import Motion
 from lodbench.models.scene import Scene
 from lodbench.policies.full import Full
 from lodbench.policies.protocol import Policy
 from lodbench.policies.selection import Selection
+from lodbench.policies.static_distance import StaticDistance
 from lodbench.policies.view import View
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
@@ -91,3 +92,52 @@ def test_a_replay_ends_with_its_trace(
     options = ReplayOptions(budget_ms=10.0)
     log = replay(Full(), make_scene([(0, 0, -10.0)]), trace, hardware, options, name="full")
     assert log["x_m"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+def test_a_policy_that_raises_fails_by_name_and_frame(run: Run, scripted: MakePolicy) -> None:
+    """What went wrong is told in one line, with the policy's name and the frame."""
+
+    def fail(view: View, selection: Selection) -> Selection:
+        if view.frame == 3:
+            message = "no such\n  level"
+            raise KeyError(message)
+        return selection
+
+    with pytest.raises(PolicyError) as caught:
+        run(scripted([0], fail), 5)
+    assert str(caught.value) == r"policy scripted, frame 3: KeyError: 'no such\n level'"
+    assert (caught.value.policy, caught.value.frame) == ("scripted", 3)
+
+
+def test_a_policy_that_cannot_be_reset_fails_by_name(run: Run) -> None:
+    """An error before the first frame is the policy's too."""
+    with pytest.raises(PolicyError, match="policy scripted, reset: InputError: static-distance"):
+        run(StaticDistance(near_m=5.0, far_m=1.0))
+
+
+def test_a_selection_that_breaks_the_contract_fails_the_policy(
+    run: Run, scripted: MakePolicy
+) -> None:
+    """A level that the type does not have ends the replay, and is not repaired."""
+    with pytest.raises(PolicyError, match=r"frame 1: detail of node 0: .*0 to 2, got 3"):
+        run(scripted([0, 3]), 5)
+
+
+def test_policies_cannot_write_to_what_they_see(run: Run, scripted: MakePolicy) -> None:
+    """Every array of a view is read-only, so that no policy changes what is counted."""
+    names = (
+        "ids", "xyz_m", "type_index", "radius_m", "distance_m", "nearest_m", "area_px",
+        "eccentricity_deg", "speed_deg_s", "previous_detail", "inside", "resident",
+    )  # fmt: skip
+
+    def write(view: View, selection: Selection) -> Selection:
+        completed = view.completed
+        arrays = [getattr(view, name) for name in names]
+        arrays += [view.state.last_detail, view.state.inside, view.state.centers_m]
+        arrays += [completed.work_ms, completed.present_ms, view.camera.axes]
+        for array in arrays:
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 0
+        return selection
+
+    assert len(run(scripted([0], write), 4)) == 4
