@@ -36,6 +36,10 @@ REGISTERED = {
     "wimmer": "wimmer:Wimmer",
     "peng": "peng:Peng",
     "pixel-error": "pixel_error:PixelError",
+    "hoppe": "hoppe:Hoppe",
+    "unity-adaptive": "unity_adaptive:UnityAdaptive",
+    "unreal-dynamic": "unreal_dynamic:UnrealDynamic",
+    "pid": "pid:Pid",
     "oracle": "oracle:Oracle",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
