@@ -1,0 +1,38 @@
+"""The frame log's schema."""
+
+import numpy as np
+import pytest
+
+from lodbench.errors import InputError
+from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
+
+HEADER = LogHeader("policy", "scene", "trace", "machine", 10.0, 0, "immediate", 60.0, 1e9)
+
+
+def test_columns_by_name() -> None:
+    """Times and counts are found by the names of the schema, which are distinct."""
+    times = np.arange(2 * len(TIMES)).reshape(2, -1)
+    counts = np.arange(2.0 * len(COUNTS)).reshape(2, -1)
+    log = FrameLog(HEADER, times, counts)
+    assert len(log) == 2
+    assert len({*TIMES, *COUNTS}) == len(TIMES) + len(COUNTS)
+    for i, name in enumerate(TIMES):
+        assert log[name].tolist() == times[:, i].tolist()
+    for i, name in enumerate(COUNTS):
+        assert log[name].tolist() == counts[:, i].tolist()
+    with pytest.raises(KeyError):
+        log["frame_rate"]
+    with pytest.raises(ValueError, match="read-only"):
+        log.counts[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("times", "counts"),
+    [((2, len(TIMES)), (3, len(COUNTS))), ((2, 4), (2, len(COUNTS))), ((2, len(TIMES)), (2, 4))],
+)
+def test_tables_of_another_shape_are_refused(
+    times: tuple[int, int], counts: tuple[int, int]
+) -> None:
+    """Rows must agree, and columns be those of the schema."""
+    with pytest.raises(InputError, match="frame log: expected 5 times and"):
+        FrameLog(HEADER, np.zeros(times, dtype=np.int64), np.zeros(counts))
