@@ -68,7 +68,7 @@ class Wimmer:
 
     Cost per frame: O(n), one pass; some more where the coarsest levels are in the way.
 
-    Reference: Wimmer and Schmalstieg, Load balancing for smooth levels of detail, TR-186-2-98-31,
+    Reference: Wimmer and Schmalstieg, Load balancing for smooth LODs, TR-186-2-98-31,
     1998, as Zach et al. 2002 describe it: a direct solution by Lagrange multipliers with the
     budget as the only constraint.
     """
