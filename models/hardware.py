@@ -64,11 +64,14 @@ class Posterior:
     linear_ms : (D, P) float64
     scale : (D,) float64
         Relative residual scale of each draw.
+    roofline_ms : (D, P) float64 or None
+        Coefficients of the roofline; None where those of the profile hold for every draw.
     """
 
     base_ms: FloatArray
     linear_ms: FloatArray
     scale: FloatArray
+    roofline_ms: FloatArray | None = None
 
     def __post_init__(self) -> None:
         d, put = len(self.base_ms), object.__setattr__
@@ -77,8 +80,11 @@ class Posterior:
         for name, shape in (
             ("base_ms", (d,)),
             ("linear_ms", (d, len(GPU_PREDICTORS))),
+            ("roofline_ms", (d, len(GPU_PREDICTORS))),
             ("scale", (d,)),
         ):
+            if getattr(self, name) is None:
+                continue
             array = frozen_array(getattr(self, name), np.float64, shape, f"posterior {name}")
             require_finite(array, f"posterior {name}", low=0.0)
             put(self, name, array)
@@ -152,9 +158,10 @@ class HardwareProfile:
         if self.posterior is None or not 0 <= draw < len(self.posterior):
             count = 0 if self.posterior is None else len(self.posterior)
             raise InputError(f"draw: {self.name} has {count} posterior draws, got {draw}")
+        drawn = self.posterior.roofline_ms
         model = CostModel(
             float(self.posterior.base_ms[draw]),
             self.posterior.linear_ms[draw],
-            self.gpu.roofline_ms,
+            self.gpu.roofline_ms if drawn is None else drawn[draw],
         )
         return model, replace(self.gpu_residual, scale=float(self.posterior.scale[draw]))

@@ -234,7 +234,7 @@ def _profile(document: _Document, data: dict[str, Any]) -> HardwareProfile:
 def _posterior(document: _Document, table: Any) -> Posterior:
     where = "gpu.posterior"
     draws = document.record(table, _Draws, where)
-    known = ("base", *GPU_PREDICTORS)
+    known = ("base", *GPU_PREDICTORS, *(f"roofline.{name}" for name in GPU_PREDICTORS))
     document.known(dict.fromkeys(draws.terms), known, where)
     width = len(draws.terms)
     if "base" not in draws.terms or len(set(draws.terms)) != width:
@@ -248,6 +248,8 @@ def _posterior(document: _Document, table: Any) -> Posterior:
     columns = np.zeros((len(draws.draws), len(known)))
     columns[:, [known.index(term) for term in draws.terms]] = draws.draws
     try:
-        return Posterior(columns[:, 0], columns[:, 1:], np.array(draws.scale))
+        linear, roofline = np.split(columns[:, 1:], 2, axis=1)
+        drawn = roofline if any(term.startswith("roofline.") for term in draws.terms) else None
+        return Posterior(columns[:, 0], linear, np.array(draws.scale), drawn)
     except InputError as error:
         document.fail(where, error.message)

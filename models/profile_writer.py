@@ -54,7 +54,12 @@ def _lines(profile: HardwareProfile, comment: str) -> Iterator[str]:
     gpu = profile.gpu
     yield from ("", "[gpu]", f"base = {_amount(gpu.base_ms, deviation.get('base', 0.0))}")
     yield from _terms("gpu.linear", GPU_PREDICTORS, gpu.linear_ms, deviation)
-    yield from _terms("gpu.roofline", GPU_PREDICTORS, gpu.roofline_ms, {})
+    yield from _terms(
+        "gpu.roofline",
+        GPU_PREDICTORS,
+        gpu.roofline_ms,
+        {name: deviation.get(f"roofline.{name}", 0.0) for name in GPU_PREDICTORS},
+    )
     yield from _record("gpu.residual", profile.gpu_residual)
     if profile.posterior is not None:
         yield from _posterior(profile.posterior)
@@ -85,9 +90,13 @@ def _terms(
 
 def _columns(posterior: Posterior) -> tuple[list[str], FloatArray]:
     """Return the terms that any draw has, base first, and their draws."""
-    used = np.flatnonzero(posterior.linear_ms.any(axis=0))
-    values = np.column_stack([posterior.base_ms, posterior.linear_ms[:, used]])
-    return ["base", *(GPU_PREDICTORS[i] for i in used)], values
+    names, slopes = GPU_PREDICTORS, posterior.linear_ms
+    if posterior.roofline_ms is not None:
+        names = (*names, *(f"roofline.{name}" for name in GPU_PREDICTORS))
+        slopes = np.hstack([slopes, posterior.roofline_ms])
+    used = np.flatnonzero(slopes.any(axis=0))
+    values = np.column_stack([posterior.base_ms, slopes[:, used]])
+    return ["base", *(names[i] for i in used)], values
 
 
 def _deviations(posterior: Posterior | None) -> dict[str, float]:

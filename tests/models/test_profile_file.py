@@ -134,6 +134,20 @@ def test_units_become_milliseconds():
     assert profile.posterior is None
 
 
+def test_draws_of_a_roofline_go_through_the_file():
+    """A fit of max(triangles, samples) keeps its draws of both sides, and only then."""
+    roofline = np.zeros((2, len(GPU_PREDICTORS)))
+    roofline[:, GPU_PREDICTORS.index("triangles")] = 1e-6, 2e-6
+    roofline[:, GPU_PREDICTORS.index("shaded_samples")] = 3e-6, 4e-6
+    linear = np.zeros((2, len(GPU_PREDICTORS)))
+    drawn = Posterior(np.zeros(2), linear, np.ones(2), roofline)
+    again = parse_profile(
+        profile_toml(dataclasses.replace(parse_profile(MINIMAL), posterior=drawn))
+    )
+    assert flat(again.posterior) == flat(drawn)
+    assert again.truth(1)[0].roofline_ms.tolist() == roofline[1].tolist()
+
+
 def test_numbers_are_written_in_the_unit_that_reads_best():
     """A coefficient that was given as 29.3 ns is written as 29.3 ns."""
     written = tomllib.loads(profile_toml(parse_profile(MINIMAL)))
