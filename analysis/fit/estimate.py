@@ -1,0 +1,107 @@
+"""From frames and terms to a sampled posterior: what a fit and each held-out fit have in common."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import FloatArray
+from .dependence import frame_worth
+from .design import Design, design_of
+from .likelihood import GaussianLikelihood, Likelihood, StudentLikelihood
+from .optimum import highest, quadratic, starts
+from .posterior import LogPosterior
+from .predictive import Draws
+from .priors import Priors
+from .sample import Sample
+from .sampler import Chain, Progress, SamplerOptions
+from .sampler import sample as sample_chain
+from .terms import Term
+
+__all__ = ["MANY_FRAMES", "Estimate", "Model", "estimate", "posterior_of"]
+
+Model = Literal["student-t", "gaussian"]
+
+MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
+
+_KEPT = 1_000  # samples kept for predictions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """A sampled posterior and what it was sampled from."""
+
+    sample: Sample
+    terms: tuple[Term, ...]
+    design: Design
+    posterior: LogPosterior
+    center: FloatArray
+    chain: Chain
+
+    @property
+    def draws(self) -> Draws:
+        """Samples for predictions, thinned."""
+        return Draws(self.chain.names, self.chain.thinned(_KEPT), self.posterior.priors.mean_ms)
+
+    @property
+    def coefficients_ms(self) -> FloatArray:
+        """Coefficients in milliseconds per unit of their predictors, (S, K), of all samples."""
+        return self.chain.flat[:, : len(self.design.names)] / self.design.unit
+
+
+def posterior_of(
+    sample: Sample, terms: Sequence[Term], model: Model, kind: Literal["weak", "flat"] = "weak"
+) -> tuple[Design, LogPosterior, FloatArray]:
+    """Return design, log-posterior and its optimum.
+
+    Raises
+    ------
+    InputError
+        If there are too few frames, or a column is constant.
+    """
+    design = design_of(sample, terms)
+    if len(sample) < len(design.names) + 2:
+        raise InputError(
+            f"expected at least {len(design.names) + 2} frames for {len(design.names)} "
+            f"coefficients, got {len(sample)}; log for longer, or fit fewer terms"
+        )
+    mean_ms = float(sample.time_ms.mean())
+    priors = Priors(mean_ms, kind)
+
+    def likelihood_of(part: Design, time_ms: FloatArray) -> Likelihood:
+        if model == "gaussian":
+            return GaussianLikelihood(part, time_ms)
+        return StudentLikelihood(part, time_ms, mean_ms)
+
+    visited = model == "student-t" or not design.linear
+    every = slice(None, None, max(1, -(-len(sample) // MANY_FRAMES)) if visited else 1)
+    which = np.arange(len(sample))[every]
+    few = likelihood_of(design.rows(which), sample.time_ms[which])
+    given = starts(design.rows(which), sample.time_ms[which], few)
+    center = highest(LogPosterior(few, priors), given)
+    posterior = LogPosterior(few, priors)
+    if len(which) < len(sample):
+        whole = LogPosterior(likelihood_of(design, sample.time_ms), priors)
+        posterior = quadratic(whole, center)
+        center = highest(posterior, [center])
+    worth = frame_worth(sample, design, center, posterior.likelihood)
+    posterior = LogPosterior(posterior.likelihood, priors, worth)
+    return design, posterior, highest(posterior, [center])
+
+
+def estimate(
+    sample: Sample,
+    terms: Sequence[Term],
+    model: Model,
+    options: SamplerOptions,
+    *,
+    resume: tuple[Path, str] | None = None,
+    progress: Progress | None = None,
+) -> Estimate:
+    """Sample the posterior of a model given frames; raises InputError as `posterior_of`."""
+    design, posterior, center = posterior_of(sample, terms, model)
+    chain = sample_chain(posterior, center, options, resume=resume, progress=progress)
+    return Estimate(sample, tuple(terms), design, posterior, center, chain)

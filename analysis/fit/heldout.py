@@ -1,0 +1,147 @@
+"""How well a model predicts frames that it was not fitted to.
+
+Successive frames err alike, so a frame between two fitted ones is no test; blocks of successive
+frames are held out.  Halves are the stricter test of a log whose conditions drift, and another log
+is the strictest.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import BoolArray, FloatArray
+from .design import design_of
+from .estimate import Estimate, Model, estimate
+from .sample import Sample
+from .sampler import SamplerOptions
+from .terms import Term
+
+__all__ = ["BLOCK", "SPLITS", "HeldOut", "block_numbers", "hold_out", "judge", "split_of"]
+
+BLOCK = 25  # frames
+SPLITS = ("blocks", "halves", "interleaved", "leave-one-out")
+
+_FEW = 40  # frames, below which each is left out in turn
+_MOST_ROWS = 20_000
+_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """Errors of prediction over measurement minus one, in per cent.
+
+    Attributes
+    ----------
+    split : how frames were held out, one of `SPLITS`, or the name of another log
+    rows : frames predicted
+    error_pct_mean, error_pct_sd : mean and standard deviation
+    error_pct_quantiles : at 5, 25, 50, 75 and 95 %
+    coverage_90 : share of frames inside their 90 % predictive interval
+    log_score : mean log predictive density of a frame, in nats
+    """
+
+    split: str
+    rows: int
+    error_pct_mean: float
+    error_pct_sd: float
+    error_pct_quantiles: tuple[float, ...]
+    coverage_90: float
+    log_score: float
+
+
+def block_numbers(series: FloatArray | Sequence[int], block: int = BLOCK) -> FloatArray:
+    """Return for each frame which block of its log it is in; no block has frames of two logs."""
+    numbers = np.zeros(len(series), dtype=np.int64)
+    start = 0
+    values = np.asarray(series)
+    for log in np.unique(values):
+        where = np.flatnonzero(values == log)
+        size = max(1, min(block, len(where) // 4))
+        numbers[where] = start + np.arange(len(where)) // size
+        start = int(numbers[where].max()) + 1
+    return numbers
+
+
+def split_of(sample: Sample, split: str) -> BoolArray:
+    """Return which frames are fitted, (n,); the others are held out."""
+    if split == "interleaved":
+        return np.arange(len(sample)) % 2 == 0
+    if split == "blocks":
+        return block_numbers(sample.series) % 2 == 0
+    fitted = np.zeros(len(sample), dtype=np.bool_)
+    for log in np.unique(sample.series):
+        where = np.flatnonzero(sample.series == log)
+        fitted[where[: len(where) // 2]] = True
+    return fitted
+
+
+def hold_out(
+    sample: Sample,
+    terms: Sequence[Term],
+    model: Model,
+    options: SamplerOptions,
+    split: str,
+) -> HeldOut:
+    """Fit to a part of the frames and predict the others.
+
+    Parameters
+    ----------
+    split
+        One of `SPLITS`, or "auto": blocks, but each frame in turn where there are few.
+
+    Raises
+    ------
+    InputError
+        If the split is unknown, or either part has too few frames.
+    """
+    if split == "auto":
+        split = "leave-one-out" if len(sample) <= _FEW else "blocks"
+    if split not in SPLITS:
+        raise InputError(f"--heldout: expected one of {', '.join(SPLITS)}, got {split}")
+    if split == "leave-one-out":
+        if len(sample) > 10 * _FEW:
+            raise InputError(
+                f"--heldout leave-one-out: expected at most {10 * _FEW} frames, since each is one "
+                f"fit, got {len(sample)}; use blocks"
+            )
+        folds = [np.arange(len(sample)) != row for row in range(len(sample))]
+    else:
+        folds = [split_of(sample, split)]
+    parts = [
+        _predict(estimate(sample.rows(fitted), terms, model, options), sample.rows(~fitted))
+        for fitted in folds
+    ]
+    errors, covered, score = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return _summary(split, errors, covered, score)
+
+
+def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
+    """Return how well a fitted model predicts the frames of another log."""
+    return _summary(name, *_predict(fitted, sample))
+
+
+def _predict(fitted: Estimate, sample: Sample) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """Return errors in per cent, whether intervals cover, and log densities, (n,) each."""
+    step = max(1, -(-len(sample) // _MOST_ROWS))
+    sample = sample.rows(np.arange(0, len(sample), step))
+    design = design_of(sample, fitted.terms, fitted.design.unit)
+    draws = fitted.draws.fitting(len(sample))
+    mean, simulated = draws.simulate(design, np.random.default_rng(0))
+    low, high = np.quantile(simulated, (0.05, 0.95), axis=0)
+    covered = (sample.time_ms >= low) & (sample.time_ms <= high)
+    errors = 100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0)
+    return errors, covered, draws.log_density(design, sample.time_ms)
+
+
+def _summary(split: str, errors: FloatArray, covered: BoolArray, score: FloatArray) -> HeldOut:
+    return HeldOut(
+        split,
+        len(errors),
+        float(errors.mean()),
+        float(errors.std()),
+        tuple(np.quantile(errors, _QUANTILES).tolist()),
+        float(covered.mean()),
+        float(score.mean()),
+    )

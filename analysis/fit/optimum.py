@@ -1,0 +1,138 @@
+"""Where sampling starts: the robust non-negative optimum, polished, and its surroundings."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...models.arrays import FloatArray
+from ..robust_fit import robust_nnls
+from .design import Design
+from .likelihood import Likelihood, QuadraticLikelihood
+from .posterior import LogPosterior
+
+__all__ = ["Expansion", "expand", "highest", "quadratic", "starts", "walkers_around"]
+
+LogDensity = Callable[[FloatArray], FloatArray]
+
+_START_DOF = 4.0
+_LEAST = 0.02  # size of a parameter that is 0, of the largest one's
+_ROUNDS = 2  # an expansion at the optimum of the one before has little left to move
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expansion:
+    """A function to second order about `center`."""
+
+    center: FloatArray
+    value: float
+    gradient: FloatArray
+    hessian: FloatArray
+
+
+def starts(design: Design, time_ms: FloatArray, likelihood: Likelihood) -> list[FloatArray]:
+    """Return parameters from robust non-negative least squares, (D,) each.
+
+    With a roofline there are three: both sides, and each side alone, since which side is the larger
+    one makes hills of their own.
+    """
+    robust = robust_nnls(design.columns[1:].T, time_ms, dof=_START_DOF)
+    scaled = np.array([robust.base_ms, *robust.slopes_ms])
+    noise = np.array([np.log(robust.scale * time_ms.mean()), 0.5, 1.0 / _START_DOF])
+    noise = noise[: len(likelihood.names) - len(scaled)]
+    if design.linear:
+        return [np.concatenate([scaled, noise])]
+    sides = scaled[design.additive :].sum()
+    given: list[FloatArray] = []
+    for geometry, pixels in ((1.0, 1.0), (1.0, 0.1), (0.1, 1.0)):
+        one = scaled.copy()
+        one[design.additive : -1] = geometry * sides / (len(scaled) - design.additive - 1)
+        one[-1] = pixels * sides
+        given.append(np.concatenate([one, noise]))
+    return given
+
+
+def highest(posterior: LogPosterior, given: list[FloatArray]) -> FloatArray:
+    """Return where a log-posterior is highest, starting from each of the given points, (D,)."""
+    from scipy.optimize import minimize
+
+    low, high = posterior.likelihood.low, posterior.likelihood.high
+    best, best_value = given[0], -np.inf
+    for start in given:
+        size = np.maximum(np.abs(start), _LEAST * np.abs(start).max())
+
+        def loss(point: FloatArray, size: FloatArray = size) -> float:
+            return -float(posterior((point * size)[np.newaxis])[0])
+
+        bounds = np.stack([low / size, high / size], axis=1)
+        answer: Any = minimize(loss, start / size, method="L-BFGS-B", bounds=bounds)
+        if -answer.fun > best_value:
+            best, best_value = np.asarray(answer.x, dtype=np.float64) * size, -float(answer.fun)
+    return best
+
+
+def expand(density: LogDensity, center: FloatArray, low: FloatArray, high: FloatArray) -> Expansion:
+    """Return a log density to second order, by central differences of about a deviation.
+
+    Near a bound the centre moves inside by a step.
+    """
+    size = np.maximum(np.abs(center), 1e-3 * np.abs(center).max())
+    step = 1e-3 * size
+    for _ in range(2):  # which step suits the curvature needs a look at it
+        step = np.minimum(step, 0.1 * (high - low))
+        middle = np.clip(center, low + 1.01 * step, high - 1.01 * step)
+        around = np.diag(step)
+        values = density(np.vstack([middle, middle + around, middle - around]))
+        up, down = values[1:].reshape(2, -1)
+        curvature = (2.0 * values[0] - up - down) / step**2
+        step = np.where(curvature > 0.0, 1.0 / np.sqrt(np.abs(curvature) + 1e-300), step)
+        step = np.minimum(step, 100.0 * size)
+    step = np.diag(around)
+    i, j = np.triu_indices(len(center), 1)
+    both = around[i] + around[j]
+    plus, minus = density(np.vstack([middle + both, middle - both])).reshape(2, -1)
+    sums = up + down - 2.0 * values[0]
+    hessian = np.diag(sums / step**2)
+    cross = plus + minus - 2.0 * values[0] - sums[i] - sums[j]
+    hessian[i, j] = hessian[j, i] = cross / (2.0 * step[i] * step[j])
+    return Expansion(middle, float(values[0]), (up - down) / (2.0 * step), hessian)
+
+
+def quadratic(posterior: LogPosterior, start: FloatArray) -> LogPosterior:
+    """Return the posterior with its likelihood to second order about its own optimum."""
+    whole = posterior.likelihood
+    center, result = start, posterior
+    for _ in range(_ROUNDS):
+        about = expand(whole, center, whole.low, whole.high)
+        surrogate = QuadraticLikelihood(
+            whole.names,
+            whole.low,
+            whole.high,
+            about.center,
+            about.value,
+            about.gradient,
+            about.hessian,
+        )
+        result = LogPosterior(surrogate, posterior.priors, posterior.worth)
+        center = highest(result, [center])
+    return result
+
+
+def walkers_around(
+    posterior: LogPosterior, center: FloatArray, count: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return starting points scattered like the posterior about its optimum, (count, D).
+
+    The gradient widens the precision where the optimum lies on a bound: the density falls off
+    from there over 1/|gradient|.
+    """
+    low, high = posterior.likelihood.low, posterior.likelihood.high
+    about = expand(posterior, center, low, high)
+    precision = np.outer(about.gradient, about.gradient) - about.hessian
+    values, vectors = np.linalg.eigh(precision)
+    spread = 1.0 / np.sqrt(np.maximum(values, 1e-12 * values.max()))
+    points = about.center + (rng.standard_normal((count, len(center))) * spread) @ vectors.T
+    points = np.where(points < low, 2.0 * low - points, points)
+    points = np.where(points > high, 2.0 * high - points, points)
+    return np.clip(points, low, high)
