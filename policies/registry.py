@@ -41,6 +41,7 @@ REGISTERED = {
     "unreal-dynamic": "unreal_dynamic:UnrealDynamic",
     "pid": "pid:Pid",
     "oracle": "oracle:Oracle",
+    "predictive": "predictive:Predictive",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
 
@@ -81,13 +82,27 @@ class PolicySpec:
         """
         try:
             return self.cls(**self.params)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"policy {self.text}: {error}") from error
+        except InputError:
+            raise
+        except Exception as error:  # a user's class may raise anything
+            raise InputError(f"policy {self.text}: {type(error).__name__}: {error}") from error
 
 
 def parameters(cls: type[Any]) -> list[Parameter]:
-    """Return the keyword parameters of a policy class, in order."""
-    hints = typing.get_type_hints(cls if dataclasses.is_dataclass(cls) else cls.__init__)
+    """Return the keyword parameters of a policy class, in order.
+
+    Raises
+    ------
+    InputError
+        If an annotation does not resolve, so that values could not be converted.
+    """
+    try:
+        hints = typing.get_type_hints(cls if dataclasses.is_dataclass(cls) else cls.__init__)
+    except NameError as error:
+        raise InputError(
+            f"policy class {cls.__name__}: expected annotations that resolve when it is loaded, "
+            f"got {error}; import the name outside of TYPE_CHECKING"
+        ) from error
     return [
         Parameter(name, hints.get(name, str), parameter.default)
         for name, parameter in inspect.signature(cls).parameters.items()
@@ -142,6 +157,8 @@ def _find(name: str) -> type[Any]:
         module, _, cls = REGISTERED[name].partition(":")
         return getattr(importlib.import_module(f".{module}", __package__), cls)
     where, colon, cls = name.rpartition(":")
+    if where in REGISTERED:
+        raise InputError(f"policy {where}: expected key=value after the colon, got {cls or name}")
     if not colon:
         raise InputError(
             f"{unknown('policy', name, REGISTERED)}; or name your own as file.py:Class"
