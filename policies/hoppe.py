@@ -4,11 +4,8 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-
 from ..errors import InputError
 from ..models.benefit import level_primitives
-from ..models.levels import LevelTable
 from ..models.scene import Scene
 from .error_ladder import ErrorLadder
 from .protocol import Capabilities
@@ -58,8 +55,7 @@ class Hoppe:
     _tolerance_px: float = field(init=False, default=1.0)
     _drawn: float = field(init=False, default=math.nan)
     _reports: Reports = field(init=False, default_factory=Reports)
-    _ladder: ErrorLadder = field(init=False)
-    _levels: LevelTable = field(init=False)
+    _ladder: ErrorLadder | None = field(init=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -82,7 +78,6 @@ class Hoppe:
         self._drawn = math.nan
         self._reports = Reports()
         self._ladder = ErrorLadder(scene)
-        self._levels = scene.types.levels
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return a level for every candidate."""
@@ -91,11 +86,12 @@ class Hoppe:
             log_px = math.log(self._tolerance_px) + gain * math.log(ratio)
             low, high = math.log(self.min_px), math.log(self.max_px)
             self._tolerance_px = math.exp(min(max(log_px, low), high))
+        assert self._ladder is not None, "reset comes before select"
         selection = self._ladder.select(view, self._tolerance_px, 0.0)
         if self.triangles is not None:
-            row, fraction = self._levels.position(view.type_index, selection.detail)
-            primitives = level_primitives(self._levels)
-            self._drawn = float(np.sum(self._levels.interpolate(primitives, row, fraction)))
+            levels = view.scene.types.levels
+            row, fraction = levels.position(view.type_index, selection.detail)
+            self._drawn = float(levels.interpolate(level_primitives(levels), row, fraction).sum())
         return selection
 
     def _measure(self, view: View) -> tuple[float, float]:

@@ -19,6 +19,8 @@ from .view import Completed, View
 
 __all__ = ["LodManager"]
 
+_NONE = np.empty(0, dtype=np.int32)
+
 
 @dataclass(slots=True)
 class LodManager:
@@ -71,12 +73,11 @@ class LodManager:
     _target_ms: float = field(init=False, default=0.0)
     _exponent: float = field(init=False, default=1.0)
     _reports: Reports = field(init=False, default_factory=Reports)
-    _table: LevelTable = field(init=False)
-    _slots: IntArray = field(init=False)
-    _first_slot: IntArray = field(init=False)
-    _shares: BoolArray = field(init=False)
-    _levels: SharedLevels = field(init=False)
-    _all: IntArray = field(init=False)
+    _slots: IntArray = field(init=False, default_factory=lambda: _NONE)
+    _first_slot: IntArray = field(init=False, default_factory=lambda: _NONE)
+    _shares: BoolArray = field(init=False, default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    _levels: SharedLevels = field(init=False, default_factory=lambda: SharedLevels(0, 0))
+    _all: IntArray = field(init=False, default_factory=lambda: _NONE)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -102,9 +103,8 @@ class LodManager:
         self._target_ms = self.target * budget_ms
         self._exponent = 1.0
         self._reports = Reports()
-        self._table = scene.types.levels
-        soft = self._table.continuous
-        self._slots = np.where(soft, self.slots, self._table.level_count)
+        soft = scene.types.levels.continuous
+        self._slots = np.where(soft, self.slots, scene.types.levels.level_count)
         self._first_slot = np.cumsum(self._slots) - self._slots
         self._shares = soft & self.sharing
         self._levels = SharedLevels(len(scene), int(self._slots.sum()))
@@ -166,7 +166,7 @@ class LodManager:
     def _update(self, seen: View, order: IntArray, lod: FloatArray, slot: IntArray) -> None:
         """Let the objects at these positions have their turns."""
         levels, node, kind = self._levels, seen.ids[order], seen.type_index[order]
-        detail = self._detail(kind, lod, slot)
+        detail = self._detail(seen.scene.types.levels, kind, lod, slot)
         inside, shares = seen.inside[order], self._shares[kind]
         shown, _ = levels.shown(node)
         own = np.flatnonzero(~shares & inside & (shown != slot))
@@ -174,9 +174,10 @@ class LodManager:
         at = np.flatnonzero(shares)
         levels.visit(node[at], slot[at], lod[at], detail[at], inside[at])
 
-    def _detail(self, kind: IntArray, lod: FloatArray, slot: IntArray) -> FloatArray:
+    def _detail(
+        self, table: LevelTable, kind: IntArray, lod: FloatArray, slot: IntArray
+    ) -> FloatArray:
         """Return resolutions of continuous types, and levels of discrete ones by their slots."""
-        table = self._table
         low = table.min_resolution[kind]
         coarseness = table.level_count[kind] - 1 - (slot - self._first_slot[kind])
         return np.where(

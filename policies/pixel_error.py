@@ -37,7 +37,7 @@ class PixelError:
 
     threshold_px: float = 1.0  # Godot's and meshoptimizer's
     hysteresis: float = 0.0  # share of the threshold by which to coarsen late; no engine has any
-    _ladder: ErrorLadder = field(init=False)
+    _ladder: ErrorLadder | None = field(init=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -52,4 +52,5 @@ class PixelError:
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
+        assert self._ladder is not None, "reset comes before select"
         return self._ladder.select(view, self.threshold_px, self.hysteresis)
