@@ -45,10 +45,12 @@ class Feedback:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.01  # as static-screen
-    _budget_ms: float = field(init=False, default=0.0)
-    _bias: float = field(init=False, default=1.0)
-    _seen: int = field(init=False, default=0)
-    _levels: StaticScreen = field(init=False, default_factory=StaticScreen)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _bias: float = field(init=False, repr=False, compare=False, default=1.0)
+    _seen: int = field(init=False, repr=False, compare=False, default=0)
+    _levels: StaticScreen = field(
+        init=False, repr=False, compare=False, default_factory=StaticScreen
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -5,7 +5,6 @@ A policy is named ``name`` or ``name:key=value,key=value``.  A name is a registe
 imported when they are made, not before.
 """
 
-import dataclasses
 import difflib
 import importlib
 import importlib.util
@@ -97,7 +96,7 @@ def parameters(cls: type[Any]) -> list[Parameter]:
         If an annotation does not resolve, so that values could not be converted.
     """
     try:
-        hints = typing.get_type_hints(cls if dataclasses.is_dataclass(cls) else cls.__init__)
+        hints = typing.get_type_hints(cls.__init__)
     except NameError as error:
         raise InputError(
             f"policy class {cls.__name__}: expected annotations that resolve when it is loaded, "

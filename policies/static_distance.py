@@ -46,9 +46,11 @@ class StaticDistance:
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
     hysteresis: float = 0.0  # share of a threshold by which to return late; three.js: 0
-    _near_m: float = field(init=False, default=0.0)
-    _per_m: float = field(init=False, default=0.0)
-    _count: FloatArray = field(init=False, default_factory=lambda: np.zeros(0))
+    _near_m: float = field(init=False, repr=False, compare=False, default=0.0)
+    _per_m: float = field(init=False, repr=False, compare=False, default=0.0)
+    _count: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -61,7 +61,9 @@ class StaticScreen:
     ratio: float = 0.5  # ours: halving the height when the triangles halve or quarter
     bias: float = 1.0  # Unity's default
     hysteresis: float = 0.01  # ours; 0 is Unity's behaviour
-    _coarsest: FloatArray = field(init=False, default_factory=lambda: np.zeros(0))
+    _coarsest: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

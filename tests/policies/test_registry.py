@@ -1,0 +1,175 @@
+"""Policies by name: registered ones, users' own, and what is wrong with a name."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lodbench.errors import InputError
+from lodbench.policies.feedback import Feedback
+from lodbench.policies.full import Full
+from lodbench.policies.protocol import Policy
+from lodbench.policies.registry import REGISTERED, parameters, parse_policy
+from lodbench.policies.static_distance import StaticDistance
+
+OWN = """
+from dataclasses import dataclass
+from lodbench.policies.full import Full
+
+@dataclass
+class Mine(Full):
+    near_m: float = 1.0
+    count: int = 2
+    fast: bool = False
+    label: str = "x"
+    limit: float | None = None
+
+class Plain:
+    capabilities = Full.capabilities
+    def __init__(self, near_m: float):
+        if near_m < 0:
+            raise KeyError("near_m")
+        self.near_m = near_m
+    def reset(self, scene, budget_ms): pass
+    def select(self, view): return None
+
+class Bare:
+    capabilities = Full.capabilities
+    def reset(self, scene, budget_ms): pass
+    def select(self, view): return None
+
+class NoSelect:
+    def reset(self, scene, budget_ms): pass
+
+number = 3
+"""
+
+
+UNRESOLVED = b"""
+from __future__ import annotations
+from lodbench.policies.full import Full
+
+class Mine(Full):
+    def __init__(self, scene: Scene):
+        pass
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Iterator[Path]:
+    """Return a file with policies of a user's own, forgotten afterwards."""
+    path = tmp_path / "my_policy.py"
+    path.write_text(OWN, encoding="utf-8")
+    yield path
+    sys.modules.pop("lodbench_user_my_policy", None)
+
+
+@pytest.mark.parametrize("name", sorted(REGISTERED))
+def test_every_registered_policy_can_be_made(name: str) -> None:
+    """Each name leads to a class that follows the protocol and needs no parameter."""
+    spec = parse_policy(name)
+    assert (spec.text, spec.name, spec.params) == (name, name, {})
+    assert isinstance(spec.make(), Policy)
+    assert all(parameter.name[0] != "_" for parameter in parameters(spec.cls))
+
+
+def test_parameters_are_converted() -> None:
+    """Keys may have hyphens, values become what the annotation says, spaces do not matter."""
+    spec = parse_policy("static-distance:near-m=5, far_m = 1e2,hysteresis=0.1")
+    assert spec.params == {"near_m": 5.0, "far_m": 100.0, "hysteresis": 0.1}
+    assert spec.make() == StaticDistance(5.0, 100.0, 0.1)
+    assert parse_policy("static-distance:near_m=none").make() == StaticDistance()
+    assert parse_policy("feedback:gain=1").make() == Feedback(gain=1.0)
+
+
+def test_parameters_tell_their_defaults() -> None:
+    """What `list policies` shows: names, types and defaults in order."""
+    known = parameters(StaticDistance)
+    assert [parameter.name for parameter in known] == ["near_m", "far_m", "hysteresis"]
+    assert [parameter.default for parameter in known] == [None, None, 0.0]
+    assert known[2].kind is float
+
+
+def test_a_users_file(own: Path) -> None:
+    """``file.py:Class`` loads the class, with parameters of every simple type."""
+    spec = parse_policy(f"{own}:Mine:near_m=2,count=3,fast=on,label=a-b,limit=none")
+    assert spec.params == {"near_m": 2.0, "count": 3, "fast": True, "label": "a-b", "limit": None}
+    assert spec.name == f"{own}:Mine"
+    assert isinstance(spec.make(), Full)
+    assert parse_policy(f"{own}:Mine:fast=off").params == {"fast": False}
+    assert isinstance(parse_policy(f"{own}:Bare").make(), Policy)
+    assert parse_policy(f"{own}:Plain:near_m=4").params == {"near_m": 4.0}
+
+
+def test_an_installed_module() -> None:
+    """``package.module:Class`` imports the class."""
+    assert parse_policy("lodbench.policies.full:Full").cls is Full
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("fedback", r"unknown policy fedback; did you mean feedback\? known: .*or name your own"),
+        ("xyzzy", r"unknown policy xyzzy; known: .*full, .*or name your own as file.py:Class"),
+        ("", "unknown policy ; known: "),
+        (
+            "feedback:gian=1",
+            r"policy feedback: unknown parameter gian; did you mean gain\? known: dead_band, ",
+        ),
+        ("full:level=1", "policy full: unknown parameter level; known: none"),
+        ("feedback:gain=fast", "policy feedback:gain=fast: gain: Expected `float`, .*got fast"),
+        ("feedback:gain=", "gain: Expected `float`"),
+        ("feedback:gain=1,target", "expected key=value, got target"),
+        ("feedback:gain", "policy feedback: expected key=value after the colon, got gain"),
+        ("feedback:", "policy feedback: expected key=value after the colon, got feedback:"),
+        ("gain=1", "expected name:key=value, got no colon before the key"),
+        ("no.such.module:Class", "policy module no.such.module: No module named 'no'"),
+        ("lodbench.policies.full:Ful", "unknown class Ful; did you mean Full"),
+        ("nowhere.py:Mine", "nowhere.py: expected a Python file with a policy, got no file"),
+    ],
+)
+def test_wrong_names_say_what_to_do(text: str, message: str) -> None:
+    """Each mistake has its message, with the nearest name and the known ones."""
+    with pytest.raises(InputError, match=message):
+        parse_policy(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Min", r"unknown class Min; did you mean Mine\? known: Bare, Full, Mine, Plain"),
+        ("number", "unknown class number"),
+        ("NoSelect", "expected a class with reset and select"),
+    ],
+)
+def test_wrong_classes_of_a_users_file(own: Path, name: str, message: str) -> None:
+    """A name that is missing, no class or no policy is told from the others."""
+    with pytest.raises(InputError, match=message):
+        parse_policy(f"{own}:{name}")
+
+
+@pytest.mark.parametrize("parameters_text", ["", ":near_m=-1"])
+def test_classes_that_refuse_their_parameters(own: Path, parameters_text: str) -> None:
+    """A missing parameter, or any error of the constructor, is an error of input."""
+    with pytest.raises(InputError, match=r"(TypeError|KeyError): .*near_m"):
+        parse_policy(f"{own}:Plain{parameters_text}").make()
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (b"x = 1\nclass Mine(:\n", r"broken.py:2: expected a Python file that loads, got Synta"),
+        (b"import no_such_module\n", "expected a Python file that loads, got ModuleNotFoundError"),
+        (b"1 / 0\n", "expected a Python file that loads, got ZeroDivisionError"),
+        (b"\xff\xfe\x00", "expected a Python file that loads, got "),
+        (b"", "unknown class Mine; known: none"),
+        (UNRESOLVED, "expected annotations that resolve .*'Scene' is not defined"),
+    ],
+)
+def test_broken_files_are_named(tmp_path: Path, source: bytes, message: str) -> None:
+    """A file that does not load is an error of input with its path, and the line if known."""
+    path = tmp_path / "broken.py"
+    path.write_bytes(source)
+    with pytest.raises(InputError, match=message):
+        parse_policy(f"{path}:Mine")
