@@ -16,8 +16,6 @@ __all__ = ["Predictive", "extrapolate"]
 
 Quaternion = tuple[float, float, float, float]
 
-_STILL_RAD = 1e-6  # below this half turn between two frames the direction is lost in rounding
-
 
 def extrapolate(before: Camera, now: Camera, ahead: float) -> Camera:
     """Return the camera `ahead` times the step from `before` to `now` later.
@@ -31,20 +29,22 @@ def extrapolate(before: Camera, now: Camera, ahead: float) -> Camera:
     return replace(now, position_m=position_m, orientation_xyzw=orientation)
 
 
-def _half_turn_rad(before: Quaternion, now: Quaternion) -> float:
-    cosine = math.fsum(a * b for a, b in zip(before, now, strict=True))
-    return math.acos(min(abs(cosine), 1.0))
+def _near(before: Quaternion, now: Quaternion) -> tuple[Quaternion, float]:
+    """Return `before` with the sign that is nearer to `now`, and half the turn between them."""
+    if math.fsum(a * b for a, b in zip(before, now, strict=True)) < 0.0:
+        x, y, z, w = before
+        before = (-x, -y, -z, -w)
+    # By the chord: the arc cosine has no digits left for small turns.
+    return before, 2.0 * math.asin(0.5 * math.dist(before, now))
 
 
 def _turn_on(before: Quaternion, now: Quaternion, ahead: float) -> Quaternion:
     """Return the orientation on the great arc from `before` to `now`, beyond it (slerp)."""
-    half_rad = _half_turn_rad(before, now)
-    if half_rad < _STILL_RAD:
+    before, half_rad = _near(before, now)
+    sine = math.sin(half_rad)
+    if sine == 0.0:
         return now
-    a = -math.sin(ahead * half_rad) / math.sin(half_rad)
-    b = math.sin((1.0 + ahead) * half_rad) / math.sin(half_rad)
-    if math.fsum(p * q for p, q in zip(before, now, strict=True)) < 0.0:
-        a = -a  # the same orientation of opposite sign: the shorter arc
+    a, b = -math.sin(ahead * half_rad) / sine, math.sin((1.0 + ahead) * half_rad) / sine
     x, y, z, w = (a * p + b * q for p, q in zip(before, now, strict=True))
     norm = math.hypot(x, y, z, w)
     return x / norm, y / norm, z / norm, w / norm
@@ -120,7 +120,7 @@ class Predictive:
         self._step_s = step_s if math.isnan(self._step_s) else self._step_s
         self._step_s += (step_s - self._step_s) / 8.0  # a mean over some eight frames
         speed_m_s = math.dist(before.position_m, now.position_m) / step_s
-        half_rad = _half_turn_rad(before.orientation_xyzw, now.orientation_xyzw)
+        _, half_rad = _near(before.orientation_xyzw, now.orientation_xyzw)
         turn_deg_s = math.degrees(2.0 * half_rad) / step_s
         if speed_m_s > self.max_speed_m_s or turn_deg_s > self.max_turn_deg_s:
             return now
