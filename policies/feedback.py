@@ -41,7 +41,7 @@ class Feedback:
     dead_band: float = 0.05  # ours
     rate_limit: float = 1.1  # ours: at most 10 % a frame
     min_bias: float = 0.05  # ours
-    max_bias: float = 64.0  # ours: everything in view at its finest, so that a light view winds it up
+    max_bias: float = 64.0  # ours: enough for full detail of all that is in view
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.01  # as static-screen
