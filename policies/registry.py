@@ -34,6 +34,7 @@ REGISTERED = {
     "gobbetti-custom": "gobbetti_custom:GobbettiCustom",
     "wimmer": "wimmer:Wimmer",
     "peng": "peng:Peng",
+    "zach": "zach:Zach",
     "pixel-error": "pixel_error:PixelError",
     "hoppe": "hoppe:Hoppe",
     "unity-adaptive": "unity_adaptive:UnityAdaptive",

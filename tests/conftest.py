@@ -178,3 +178,86 @@ def make_trace() -> Callable[..., CameraTrace]:
 def make_view() -> Callable[..., View]:
     """Return `build_view`."""
     return build_view
+
+
+def _quadtree(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return depth, cell and parent of the nodes above the kept cells of a 2^depth square grid."""
+    depth = int(np.log2(len(kept)))
+    layers = [kept]
+    for _ in range(depth):
+        fine = layers[-1]
+        layers.append(fine[::2, ::2] | fine[1::2, ::2] | fine[::2, 1::2] | fine[1::2, 1::2])
+    layers.reverse()
+    cells = [np.argwhere(layer) for layer in layers]
+    parents, start = [np.full(len(cells[0]), -1)], 0
+    for d in range(1, depth + 1):
+        node = np.full(layers[d - 1].shape, -1)
+        node[layers[d - 1]] = start + np.arange(len(cells[d - 1]))
+        parents.append(node[cells[d][:, 0] // 2, cells[d][:, 1] // 2])
+        start += len(cells[d - 1])
+    at = np.repeat(np.arange(depth + 1), [len(c) for c in cells])
+    return at, np.concatenate(cells), np.concatenate(parents)
+
+
+def build_styria(
+    seed: int = 0,
+    *,
+    width_m: float = 120_000.0,
+    terrain_depth: int = 5,
+    forest_depth: int = 6,
+    wooded: float = 0.5,
+    splats: float = 512.0,
+) -> Scene:
+    """Build a small likeness of Zach's test: a terrain quadtree, and one over groups of trees.
+
+    Nodes of the terrain are strips of 33² vertices.  A share `wooded` of the finest cells of the
+    other tree holds a group of 16 to 64 trees, a draw call each, of 1 to `splats` splats a tree;
+    nodes above them have no geometry.
+    """
+    rng = np.random.default_rng(seed)
+    side = 2**terrain_depth
+    terrain = _quadtree(np.ones((side, side), dtype=bool))
+    forest = _quadtree(rng.random((2**forest_depth, 2**forest_depth)) < wooded)
+    depth, cell = (np.concatenate(pair) for pair in zip(terrain[:2], forest[:2], strict=True))
+    ground = len(terrain[0])
+    parent = np.concatenate((terrain[2], np.where(forest[2] < 0, -1, forest[2] + ground)))
+    trees = np.array([16.0, 32.0, 48.0, 64.0])
+    counts = np.zeros((11, len(LEVEL_PREDICTORS)))  # inner and leaf patch, nothing, groups
+    counts[:2] = [{"draw_calls": 1.0, "vertices": 33.0**2}.get(p, 0.0) for p in LEVEL_PREDICTORS]
+    counts[:2, LEVEL_PREDICTORS.index("triangles")] = 2.0 * 32.0**2
+    counts[3:, LEVEL_PREDICTORS.index("draw_calls")] = np.repeat(trees, 2)
+    counts[3::2, LEVEL_PREDICTORS.index("splats")] = trees * splats
+    counts[4::2, LEVEL_PREDICTORS.index("splats")] = trees
+    levels = LevelTable(
+        np.array([0, 1, 2, 3, 5, 7, 9, 11]),
+        counts,
+        np.array([0.02, 0.0, 0.0, *(0.0, 0.05) * 4]),
+        30.0 * counts.sum(axis=1),
+        np.arange(7) > 2,
+    )
+    kind = np.where(np.arange(len(depth)) < ground, depth == terrain_depth, 2)
+    groups = (np.arange(len(depth)) >= ground) & (depth == forest_depth)
+    kind[groups] = rng.integers(3, 7, int(groups.sum()))
+    cell_m = width_m / 2.0**depth
+    middle_m = (cell + 0.5) * cell_m[:, None]
+    return build_scene(
+        np.column_stack((middle_m, np.zeros(len(depth)))),
+        kind=kind,
+        scale=np.sqrt(0.5) * cell_m,
+        parent=parent,
+        levels=levels,
+    )
+
+
+@pytest.fixture(scope="session")
+def make_styria() -> Callable[..., Scene]:
+    """Return `build_styria`."""
+    return build_styria
+
+
+@pytest.fixture(scope="session")
+def flyover() -> Camera:
+    """Return a camera at the middle of styria's southern edge, 3 km up, looking north and down."""
+    tilt = np.radians(80.0)  # from straight down
+    turn = (float(np.sin(tilt / 2.0)), 0.0, 0.0, float(np.cos(tilt / 2.0)))
+    return Camera((60_000.0, 0.0, 3_000.0), turn, 1920, 1080, np.pi / 3.0)

@@ -1,0 +1,131 @@
+"""``zach``: discrete increments and smooth resolutions within one predicted budget."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ..errors import InputError
+from ..models.arrays import FloatArray, IntArray
+from ..models.mixed_selection import raise_in_turn
+from ..models.scene import Scene
+from ..models.smooth_ascent import Ascent, GradientAscent, NewtonAscent
+from ..models.tree import Tree
+from .choices import require_costs
+from .protocol import Capabilities
+from .resolution_cost import ResolutionCosts
+from .selection import Selection, Work
+from .view import View
+from .zach_groups import Groups, Plan
+from .zach_patches import Offer, Patches
+
+__all__ = ["Zach"]
+
+_KEPT_BACK = 1e-9
+"""Share of the budget that is left to rounding, so that a prediction never exceeds it."""
+
+
+@dataclass(slots=True)
+class Zach:
+    """Idea: raise discrete and smooth representations in turn, whichever gains more per cost.
+
+    Discrete nodes start at their coarsest and take Mason and Blake's increments: a finer level, or
+    the children for the node.  Continuous leaves (groups of trees, or objects) are smooth
+    variables, raised along the gradient of benefit, with a barrier before full resolution, by a
+    line search to where their benefit per cost falls to the next increment's.  With `splitting`
+    all groups below a node of their tree share one variable where this loses less than ε allows
+    (Algorithm 1).  A group of splats whose trees get less than a splat each, or whose splats are
+    worth less than setting them up, is not drawn, nor is one smaller than `cull_px`; other types
+    are always drawn.  Whenever the search ends, what it has keeps the budget, unless the coarsest
+    selection does not; then that is drawn.
+
+    Benefit of a patch is ``sqrt(2^(d_max - d)) · S``, S its area in pixels and d its height above
+    the leaves; of a group of N trees ``k S² (N / 64) sqrt(x / N · N_splats)``, S² its area.  With
+    d from the root, as printed, refining would lower benefit; with areas squared, the nearest group
+    would outweigh all terrain.  Both are multiplied by importance.  A continuous node that has
+    children, or stands below a node with geometry, is refined in steps of its knots.
+
+    Uses: the cost model, projected areas and importance of the nodes in view.
+
+    Parameters: `splitting`, `epsilon`, `barrier`, `cull_px`, `engine` (how smooth variables rise),
+    `max_steps` (increments taken together, or one line search, are one step).
+
+    Cost per frame: O(n log n) for n nodes in view, and O(V) a step for V variables.
+
+    Reference: Zach, Mantler and Karner, Time-critical rendering of discrete and continuous levels
+    of detail, VRST 2002.  Differences: see `smooth_ascent` (gradient in the root of the cost) and
+    `variable_splitting` (sums over groups for S² and S⁴).
+    """
+
+    splitting: bool = True  # the paper's enhanced method
+    epsilon: float = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
+    barrier: float = 1e-3  # ours; "a small constant" in the paper
+    cull_px: float = 2.0  # ours; the paper prints no value
+    engine: Literal["gradient", "newton"] = "gradient"  # the paper's
+    max_steps: int = 256  # ours; some twenty are needed
+    _budget_ms: float = field(init=False, default=0.0)
+    _costs: ResolutionCosts = field(init=False)
+    _patches: Patches = field(init=False)
+    _groups: Groups = field(init=False)
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters, and tell smooth leaves from discrete nodes."""
+        if self.epsilon < 0.0 or self.barrier < 0.0 or self.cull_px < 0.0 or self.max_steps < 0:
+            raise InputError(
+                "zach: expected epsilon, barrier, cull_px and max_steps >= 0, got "
+                f"{self.epsilon}, {self.barrier}, {self.cull_px} and {self.max_steps}"
+            )
+        costs = require_costs(scene, "zach")
+        self._budget_ms = budget_ms
+        self._costs = ResolutionCosts(scene, "zach")
+        tree = Tree(scene)
+        solid = (tree.primitives > 0.0) | tree.leaf
+        free = tree.first_in(solid, np.arange(len(scene))) < 0
+        smooth = scene.continuous & tree.leaf & free
+        self._patches = Patches(scene, tree, costs, solid & ~smooth)
+        self._groups = Groups(scene, tree, self._costs, smooth)
+
+    def select(self, view: View) -> Selection:
+        """Return the front and the resolutions that fit the budget."""
+        costs, patches, groups = self._costs, self._patches, self._groups
+        offer = patches.offer(view)
+        inside, seen = groups.seen(view)
+        everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - costs.frame_ms(everything) - offer.base_ms
+        epsilon = self.epsilon if self.splitting else None
+        plan = groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
+        if plan is None:
+            return self._coarsest(view, offer, seen)
+        smooth = self._ascent(plan)
+        left_ms -= plan.setup_ms + float(plan.low.sum())
+        _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
+        patch_ids, level = patches.front(offer)
+        resolution = np.maximum(plan.resolution(smooth.x), costs.lowest(view.at(plan.ids)))
+        passes = smooth.passes * len(plan.weight)
+        work = Work(
+            len(offer.view) + plan.visited,
+            plan.comparisons + offer.forest.count * offer.forest.count.bit_length() + passes,
+            steps,
+        )
+        return self._selection(
+            view, np.concatenate((patch_ids, plan.ids)), np.concatenate((level, resolution)), work
+        )
+
+    def _ascent(self, plan: Plan) -> Ascent:
+        if self.engine == "newton":
+            return NewtonAscent(plan.weight, plan.low, plan.high)
+        return GradientAscent(plan.weight, plan.low, plan.high, self.barrier)
+
+    def _coarsest(self, view: View, offer: Offer, seen: View) -> Selection:
+        """Return the least that can be drawn without leaving out what is no group of splats."""
+        ids, level = self._patches.front(offer)
+        drawn = view.at(seen.ids[~self._groups.optional(seen)])
+        work = Work(len(offer.view) + len(seen))
+        detail = np.concatenate((level, self._costs.lowest(drawn)))
+        return self._selection(view, np.concatenate((ids, drawn.ids)), detail, work)
+
+    def _selection(self, view: View, ids: IntArray, detail: FloatArray, work: Work) -> Selection:
+        predicted_ms = self._costs.predict_ms(view.at(ids), detail)
+        return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)

@@ -1,0 +1,230 @@
+"""The smooth half of a mixed scene: which groups are drawn in a frame, and what they share."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..models.allocation import allocate
+from ..models.arrays import BoolArray, FloatArray, IntArray
+from ..models.benefit import level_primitives
+from ..models.predictors import LEVEL_PREDICTORS
+from ..models.scene import Scene
+from ..models.tree import Tree
+from ..models.variable_splitting import LeafTree, Splitting, split_variables
+from .resolution_cost import ResolutionCosts
+from .view import View
+
+__all__ = ["Groups", "Plan", "affordable"]
+
+_SPLATS = LEVEL_PREDICTORS.index("splats")
+_DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
+_K = 1.0 / 16.0  # the paper's weight of vegetation against terrain
+_TREES = 64.0  # the paper's largest group
+_LEAST_WEIGHT = 1e-12  # of the greatest; so that what is worth nothing is raised last, not never
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Smooth variables of one frame, in milliseconds beyond what drawing them at all costs.
+
+    Attributes
+    ----------
+    ids : (u,) int32
+        Groups drawn.
+    setup_ms : float
+        What they cost whatever their resolution.
+    full_ms, floor : (u,) float64
+        Cost of a group's full resolution, and the resolution that it has at least.
+    weight, low, high : (V,) float64
+        Variables: factor of the root of the cost, and bounds of the cost.
+    owner : (u,) int
+        Variable of each group.
+    splitting : Splitting
+    visited, comparisons : int
+    """
+
+    ids: IntArray
+    setup_ms: float
+    full_ms: FloatArray
+    floor: FloatArray
+    weight: FloatArray
+    low: FloatArray
+    high: FloatArray
+    owner: IntArray
+    splitting: Splitting
+    visited: int
+    comparisons: int
+
+    def resolution(self, x: FloatArray) -> FloatArray:
+        """Return the resolution of each group from the cost of each variable, (u,)."""
+        share = np.divide(x, self.high, out=np.ones(len(x)), where=self.high > 0.0)
+        return np.clip(share[self.owner], self.floor, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Groups:
+    """Continuous leaves below nothing but nodes without geometry, derived once a replay.
+
+    Benefit is ``k S² (N / 64) sqrt(x / N · N_splats)``, ``x / N`` the resolution of each of N
+    trees, one a draw call.  S is the extent on the screen, S² the projected area: only then is the
+    sum over a node's groups bounded by the node's own, as Appendix A has it.
+    """
+
+    scene: Scene
+    tree: Tree
+    costs: ResolutionCosts
+    member: BoolArray
+    _leaves: LeafTree = field(init=False)
+    _factor: FloatArray = field(init=False)
+    _floor: FloatArray = field(init=False)
+    _root: IntArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        levels, put = self.scene.types.levels, object.__setattr__
+        finest = levels.counts[levels.start[:-1]]
+        trees = np.maximum(finest[:, _DRAW_CALLS], 1.0)
+        primitives = level_primitives(levels)[levels.start[:-1]]
+        splats = finest[:, _SPLATS]
+        # A type without splats has no floor of its own and may not be left out.
+        floor = np.divide(trees, splats, out=np.zeros(len(splats)), where=splats > 0.0)
+        leaves = LeafTree(self.scene, self.tree, self.member)
+        put(self, "_leaves", leaves)
+        put(self, "_factor", _K / _TREES * np.sqrt(trees * primitives))
+        put(self, "_floor", np.minimum(floor, 1.0))
+        root = leaves.leaves.copy()
+        while (below := self.scene.parent[root] >= 0).any():
+            root[below] = self.scene.parent[root[below]]
+        put(self, "_root", root)
+
+    def seen(self, view: View) -> tuple[BoolArray, View]:
+        """Return which leaves are in view, (U,), and the view of them."""
+        live = np.zeros(len(self.scene), dtype=np.bool_)
+        live[view.ids] = True
+        leaves = self._leaves.leaves
+        inside = view.state.inside[leaves] & live[self._root]
+        return inside, view.at(leaves[inside])
+
+    def optional(self, seen: View) -> BoolArray:
+        """Return which nodes may be left out: groups of splats, (m,)."""
+        return self._floor[seen.type_index] > 0.0
+
+    def plan(
+        self,
+        inside: BoolArray,
+        seen: View,
+        budget_ms: float,
+        cull_px: float,
+        epsilon: float | None,
+    ) -> Plan | None:
+        """Return the variables of a frame, or None if the budget does not pay for their lowest.
+
+        Groups whose extent is below `cull_px` are not drawn.  With `epsilon` the groups of a node
+        may share a variable; it is a share of the greatest benefit that the budget can buy.
+        """
+        kind = seen.type_index
+        optional = self.optional(seen)
+        setup, _, full, floor = self.costs.stretches(seen)
+        floor = np.minimum(np.maximum(floor, self._floor[kind]), 1.0)
+        value = self._factor[kind] * seen.area_px * self.scene.importance[seen.ids]
+        value = np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
+        weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
+        large = ~optional | (seen.area_px >= cull_px * cull_px)
+        at = np.flatnonzero(large)
+        chosen, comparisons = affordable(
+            setup[at], (full * floor)[at], full[at], weight[at], optional[at], budget_ms
+        )
+        if chosen is None:
+            return None
+        at = at[chosen]
+        setup, full, floor, weight = setup[at], full[at], floor[at], weight[at]
+        setup_ms = float(setup.sum())
+        low = full * floor
+        drawn = np.zeros(len(inside), dtype=np.bool_)
+        drawn[np.flatnonzero(inside)[at]] = True
+        splitting = _apart(len(at))
+        if epsilon is not None and not self.scene.flat:
+            ones = np.ones(len(at))
+            spend = budget_ms - setup_ms
+            best = allocate(0.5 * weight, ones, spend, power=0.5, low=low, high=full)
+            comparisons += best.comparisons
+            lose = epsilon * float((weight * np.sqrt(best.x)).sum())
+            splitting = split_variables(self._leaves, drawn, weight, low, full, best.x, lose)
+        return _plan(seen.ids[at], setup_ms, full, floor, weight, splitting, len(seen), comparisons)
+
+
+def _apart(count: int) -> Splitting:
+    """Return a variable for each leaf."""
+    return Splitting(np.arange(count), 0.0, 0.0, 0)
+
+
+def _plan(
+    ids: IntArray,
+    setup_ms: float,
+    full: FloatArray,
+    floor: FloatArray,
+    weight: FloatArray,
+    splitting: Splitting,
+    seen: int,
+    comparisons: int,
+) -> Plan:
+    """Return the plan whose groups share variables."""
+    start, value = splitting.start, weight * np.sqrt(full)
+    owner = np.zeros(len(ids), dtype=np.int64)
+    owner[start] = 1
+    owner = np.cumsum(owner) - 1
+    high, lowest = full, floor
+    if len(start) < len(ids):
+        high = np.add.reduceat(full, start)
+        value = np.add.reduceat(value, start)
+        lowest = np.maximum.reduceat(floor, start)
+    weight = np.divide(value, np.sqrt(high), out=np.zeros(len(high)), where=high > 0.0)
+    visited = seen + splitting.visited
+    return Plan(
+        ids,
+        setup_ms,
+        full,
+        floor,
+        weight,
+        lowest * high,
+        high,
+        owner,
+        splitting,
+        visited,
+        comparisons,
+    )
+
+
+def affordable(
+    setup: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    weight: FloatArray,
+    optional: BoolArray,
+    budget: float,
+) -> tuple[IntArray | None, int]:
+    """Return which groups to draw, in order, and the comparisons made; None if too many must be.
+
+    A group is worth its setup if the best use of the budget would spend on its resolution at least
+    as much as on its setup, and at least its lowest: then it has a splat for every tree.  That is
+    the tangent from nothing to its benefit.  Costs and weights are (n,); benefit is ``weight ·
+    sqrt(x)``.
+    """
+    entry = np.minimum(np.maximum(setup, low), high)
+    squared = np.square(weight)
+    key = np.divide(entry, squared, out=np.zeros(len(entry)), where=optional & (squared > 0.0))
+    order = np.argsort(key, kind="stable")
+    key, squared, setup = key[order], squared[order], setup[order]
+    low, high = low[order], high[order]
+    must = int(len(order) - np.count_nonzero(optional))
+    if must and float((setup + low)[:must].sum()) > budget:
+        return None, 0
+    fewest, most = must, len(order)
+    while fewest < most:
+        count = (fewest + most + 1) // 2
+        spent = np.clip(key[count - 1] * squared[:count], low[:count], high[:count])
+        if float((setup[:count] + spent).sum()) <= budget:
+            fewest = count
+        else:
+            most = count - 1
+    comparisons = len(order) * max(len(order).bit_length(), 1)
+    return np.sort(order[:fewest]), comparisons
