@@ -51,19 +51,18 @@ class Hoppe:
     min_px: float = 0.1  # ours
     max_px: float = 64.0  # ours
     target: float = 0.9  # as feedback
-    _target_ms: float = field(init=False, default=0.0)
-    _tolerance_px: float = field(init=False, default=1.0)
-    _drawn: float = field(init=False, default=math.nan)
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _ladder: ErrorLadder | None = field(init=False, default=None)
+    _target_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _tolerance_px: float = field(init=False, repr=False, compare=False, default=1.0)
+    _drawn: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance of the first frame."""
-        if (self.triangles is not None and self.triangles <= 0) or (
-            self.gain is not None and self.gain < 0
-        ):
+        counted = self.triangles is None or self.triangles > 0
+        if not (counted and (self.gain is None or self.gain >= 0)):
             raise InputError(
                 "hoppe: expected triangles > 0 and gain >= 0, or none, got "
                 f"{self.triangles} and {self.gain}"

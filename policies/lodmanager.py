@@ -69,15 +69,21 @@ class LodManager:
     dead_band: float = 0.05  # as feedback
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
-    _range_m: tuple[float, float] = field(init=False, default=(0.0, 1.0))
-    _target_ms: float = field(init=False, default=0.0)
-    _exponent: float = field(init=False, default=1.0)
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _slots: IntArray = field(init=False, default_factory=lambda: _NONE)
-    _first_slot: IntArray = field(init=False, default_factory=lambda: _NONE)
-    _shares: BoolArray = field(init=False, default_factory=lambda: np.zeros(0, dtype=np.bool_))
-    _levels: SharedLevels = field(init=False, default_factory=lambda: SharedLevels(0, 0))
-    _all: IntArray = field(init=False, default_factory=lambda: _NONE)
+    _range_m: tuple[float, float] = field(init=False, repr=False, compare=False, default=(0.0, 1.0))
+    _target_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _exponent: float = field(init=False, repr=False, compare=False, default=1.0)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _slots: IntArray = field(init=False, repr=False, compare=False, default_factory=lambda: _NONE)
+    _first_slot: IntArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: _NONE
+    )
+    _shares: BoolArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
+    )
+    _levels: SharedLevels = field(
+        init=False, repr=False, compare=False, default_factory=lambda: SharedLevels(0, 0)
+    )
+    _all: IntArray = field(init=False, repr=False, compare=False, default_factory=lambda: _NONE)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -50,21 +50,24 @@ class Pid:
     start_deg: float = 10.0  # ours
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # hifi has none
-    _target_hz: float = field(init=False, default=60.0)
-    _angle_deg: float = field(init=False, default=10.0)
-    _now_ms: float = field(init=False, default=math.nan)
-    _smooth_ms: float = field(init=False, default=math.nan)
-    _error: float = field(init=False, default=0.0)
-    _integral: float = field(init=False, default=0.0)
-    _last_ns: int = field(init=False, default=0)
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _static: StaticScreen = field(init=False, default_factory=StaticScreen)
+    _target_hz: float = field(init=False, repr=False, compare=False, default=60.0)
+    _angle_deg: float = field(init=False, repr=False, compare=False, default=10.0)
+    _now_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _smooth_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _error: float = field(init=False, repr=False, compare=False, default=0.0)
+    _integral: float = field(init=False, repr=False, compare=False, default=0.0)
+    _last_ns: int = field(init=False, repr=False, compare=False, default=0)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _static: StaticScreen = field(
+        init=False, repr=False, compare=False, default_factory=StaticScreen
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the first angle, without a past."""
-        if min(self.kp, self.ki, self.kd, self.kv, self.offset_hz) < 0:
+        gains = (self.kp, self.ki, self.kd, self.kv, self.offset_hz)
+        if not all(gain >= 0 for gain in gains):
             raise InputError("pid: expected kp, ki, kd, kv and offset_hz >= 0")
         if not (self.tau_s > 0 and self.smooth >= 1):
             raise InputError(

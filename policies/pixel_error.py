@@ -37,7 +37,7 @@ class PixelError:
 
     threshold_px: float = 1.0  # Godot's and meshoptimizer's
     hysteresis: float = 0.0  # share of the threshold by which to coarsen late; no engine has any
-    _ladder: ErrorLadder | None = field(init=False, default=None)
+    _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

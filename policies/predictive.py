@@ -78,9 +78,9 @@ class Predictive:
     horizon_ms: float | None = None  # None: from the frames under way
     max_speed_m_s: float = 50.0  # ours: faster is a cut
     max_turn_deg_s: float = 720.0  # ours: faster is a cut
-    _inner: Policy = field(init=False, repr=False)
-    _step_s: float = field(init=False, default=math.nan)
-    _before: Camera | None = field(init=False, default=None, repr=False)
+    _inner: Policy = field(init=False, repr=False, compare=False)
+    _step_s: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _before: Camera | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 

@@ -58,12 +58,16 @@ class UnityAdaptive:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # Unity's level-of-detail groups have none
-    _budget_ms: float = field(init=False, default=0.0)
-    _level: int = field(init=False, default=0)
-    _ready_ns: float = field(init=False, default=0.0)
-    _excess: deque[float] = field(init=False, default_factory=deque[float])
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _static: StaticScreen = field(init=False, default_factory=StaticScreen)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _level: int = field(init=False, repr=False, compare=False, default=0)
+    _ready_ns: float = field(init=False, repr=False, compare=False, default=0.0)
+    _excess: deque[float] = field(
+        init=False, repr=False, compare=False, default_factory=deque[float]
+    )
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _static: StaticScreen = field(
+        init=False, repr=False, compare=False, default_factory=StaticScreen
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -74,7 +78,7 @@ class UnityAdaptive:
                 "unity-adaptive: expected min_scale in (0, 1], max_level >= 0 and samples >= 1, "
                 f"got {self.min_scale:g}, {self.max_level} and {self.samples}"
             )
-        if not min(self.delay_s, self.retry_s) >= 0:
+        if not (self.delay_s >= 0 and self.retry_s >= 0):
             raise InputError(
                 "unity-adaptive: expected delay_s >= 0 and retry_s >= 0, got "
                 f"{self.delay_s:g} and {self.retry_s:g}"

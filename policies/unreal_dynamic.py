@@ -58,14 +58,18 @@ class UnrealDynamic:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # as Unity's; the controller has its own threshold
-    _budget_ms: float = field(init=False, default=0.0)
-    _fraction: float = field(init=False, default=1.0)
-    _changed: int = field(init=False, default=0)
-    _over: int = field(init=False, default=0)
-    _past: deque[float] = field(init=False, default_factory=deque[float])
-    _drawn_at: list[float] = field(init=False, default_factory=list[float])
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _static: StaticScreen = field(init=False, default_factory=StaticScreen)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _fraction: float = field(init=False, repr=False, compare=False, default=1.0)
+    _changed: int = field(init=False, repr=False, compare=False, default=0)
+    _over: int = field(init=False, repr=False, compare=False, default=0)
+    _past: deque[float] = field(init=False, repr=False, compare=False, default_factory=deque[float])
+    _drawn_at: list[float] = field(
+        init=False, repr=False, compare=False, default_factory=list[float]
+    )
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _static: StaticScreen = field(
+        init=False, repr=False, compare=False, default_factory=StaticScreen
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -88,7 +92,7 @@ class UnrealDynamic:
                 f"in (0, 1], got {self.history}, {self.period}, {self.panic}, {self.weight:g} and "
                 f"{self.increase:g}"
             )
-        if self.threshold < 0:
+        if not self.threshold >= 0:
             raise InputError(f"unreal-dynamic: expected threshold >= 0, got {self.threshold:g}")
         self._static = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)

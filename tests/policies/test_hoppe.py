@@ -156,7 +156,14 @@ def test_faulty_times_never_raise_detail(slope: Callable[..., Scene], make_view:
 
 @pytest.mark.parametrize(
     "params",
-    [{"triangles": 0.0}, {"gain": -1.0}, {"start_px": 0.01}, {"target": 0.0}, {"max_px": 0.5}],
+    [
+        {"triangles": 0.0},
+        {"gain": -1.0},
+        {"gain": np.nan},
+        {"start_px": 0.01},
+        {"target": 0.0},
+        {"max_px": 0.5},
+    ],
 )
 def test_senseless_parameters_are_refused(
     slope: Callable[..., Scene], params: dict[str, float]

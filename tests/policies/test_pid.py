@@ -123,7 +123,14 @@ def test_faulty_times_never_raise_detail(rows: Scene, make_view: Make) -> None:
 
 @pytest.mark.parametrize(
     "params",
-    [{"kp": -1.0}, {"tau_s": 0.0}, {"smooth": 0.5}, {"start_deg": 120.0}, {"max_deg": 180.0}],
+    [
+        {"kp": -1.0},
+        {"kv": math.nan},
+        {"tau_s": 0.0},
+        {"smooth": 0.5},
+        {"start_deg": 120.0},
+        {"max_deg": 180.0},
+    ],
 )
 def test_senseless_parameters_are_refused(rows: Scene, params: dict[str, float]) -> None:
     """A parameter out of its range is bad input."""

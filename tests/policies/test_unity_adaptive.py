@@ -123,7 +123,8 @@ def test_faulty_times_never_raise_detail(rows: Scene, make_view: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    "params", [{"min_scale": 0.0}, {"max_level": -1}, {"samples": 0}, {"delay_s": -1.0}]
+    "params",
+    [{"min_scale": 0.0}, {"max_level": -1}, {"samples": 0}, {"delay_s": -1.0}, {"retry_s": np.nan}],
 )
 def test_senseless_parameters_are_refused(rows: Scene, params: dict[str, Any]) -> None:
     """A parameter out of its range is bad input."""

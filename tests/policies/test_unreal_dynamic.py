@@ -204,6 +204,7 @@ def test_render_scale_saves_pixels_and_costs_benefit(
         {"weight": 0.0},
         {"increase": 1.5},
         {"threshold": -0.1},
+        {"threshold": np.nan},
     ],
 )
 def test_senseless_parameters_are_refused(rows: Scene, params: dict[str, Any]) -> None:
