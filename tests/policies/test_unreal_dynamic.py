@@ -11,6 +11,7 @@ import pytest
 
 from lodbench.errors import InputError
 from lodbench.models.scene import Scene
+from lodbench.policies.selection import Selection, find_violation
 from lodbench.policies.static_screen import StaticScreen
 from lodbench.policies.unreal_dynamic import UnrealDynamic, suggest_fraction
 from lodbench.policies.view import Completed, View
@@ -191,6 +192,18 @@ def test_render_scale_saves_pixels_and_costs_benefit(
     assert half["benefit"][0] == pytest.approx(0.25 * full["benefit"][0])
     assert half["degradation"][0] == pytest.approx(4.0 * full["degradation"][0])
     assert np.isnan(half["benefit_bound"][0])
+
+
+@pytest.mark.parametrize("scale", [0.0, 1.5, math.nan, "half"])
+def test_a_render_scale_out_of_range_is_a_violation(
+    rows: Scene, make_view: Make, scale: Any
+) -> None:
+    """A picture has between none and all of the window's width, and the simulator says so."""
+    view = make_view(rows)
+    selection = Selection(view.ids, np.zeros(len(view)), render_scale=scale)
+    violation = find_violation(selection, view.ids, rows)
+    assert violation is not None
+    assert violation.startswith("render_scale: expected a number in (0, 1]")
 
 
 @pytest.mark.parametrize(
