@@ -32,10 +32,10 @@ HEADLINE = (
     Column("settle_ms", "settle\n\nms"),
     Column("overshoot_ratio", "over-\nshoot\n×"),
     Column("lag_ms_mean", "lag\nmean\nms"),
-    Column("toggles_per_frame", "toggles\n/frame"),
-    Column("popping_px_per_frame", "popping\n/frame\npx"),
+    Column("toggles_per_frame", "toggle\n/frame"),
+    Column("popping_px_per_frame", "pop px\n/frame"),
     Column("sse_px_p95", "error\np95\npx"),
-    Column("benefit_ratio", "benefit\nof full\n%", percent=True),
+    Column("benefit_ratio", "bene-\nfit\n%", percent=True),
 )
 
 
@@ -72,9 +72,9 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
     if comparison.ok:
         if wide:
             for table in _wide_tables(comparison, console.width):
-                console.print(table)
+                console.print("", table)
         else:
-            console.print(_short_table(comparison))
+            console.print("", _short_table(comparison), "", sep="\n")
     for policy in comparison.policies:
         if policy.status != "ok":
             style = "bold red" if policy.status == "failed" else "yellow"
@@ -124,8 +124,8 @@ def _short_table(comparison: Comparison) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="not bold")
-    table.add_column("policy", overflow="fold", min_width=18, vertical="bottom")
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
+    table.add_column("policy", overflow="fold", min_width=12)
     for column in HEADLINE:
         table.add_column(column.header, justify="right", no_wrap=True)
     best = {column.metric: best_labels(comparison, column.metric) for column in HEADLINE}
@@ -154,7 +154,7 @@ def _wide_table(comparison: Comparison, policies: tuple[PolicyResult, ...]) -> "
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="not bold")
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
     table.add_column("metric", no_wrap=True)
     table.add_column("unit", no_wrap=True)
     for policy in policies:

@@ -153,22 +153,23 @@ def _adjusted(
 
 def _parse_faults(text: str) -> "Faults":
     """Return the faults that ``kind=number,kind=number`` names."""
-    import msgspec
+    from dataclasses import fields
 
     from ..sim.faults import Faults
 
-    pairs = [item.partition("=") for item in filter(None, text.split(","))]
-    try:
-        return msgspec.convert(
-            {key.strip(): value for key, _, value in pairs},
-            Faults,
-            strict=False,
-        )
-    except msgspec.ValidationError as error:
-        raise InputError(
-            f"--faults: expected kind=number,kind=number of missing, zero, stale, saturated_ms, "
-            f"got {text}: {error}"
-        ) from error
+    kinds = [field.name for field in fields(Faults)]
+    numbers: dict[str, float] = {}
+    for item in filter(None, text.split(",")):
+        kind, _, number = item.partition("=")
+        try:
+            numbers[kind] = float(number)
+        except ValueError:
+            kind = ""
+        if kind not in kinds:
+            raise InputError(
+                f"--faults: expected KIND=NUMBER with a kind of {', '.join(kinds)}, got {item}"
+            )
+    return Faults(**numbers)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from ..metrics.registry import find_metric
 from ..metrics.run import Run
 from ..metrics.steps import Step
 from .palette import Ink
-from .series import envelope, rate, tail
+from .series import bin_means, envelope, tail
 
 __all__ = [
     "distribution_chart",
@@ -28,6 +28,7 @@ _BIN_S = 0.5
 _BEFORE_S, _AFTER_S = 0.25, 1.5
 _MOST_STEPS = 6
 _TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
+_NARROW = 8
 _LOSE_TO_WIN = [[0, "#dd8452"], [0.5, "rgba(136,136,136,0.15)"], [1, "#3d85b8"]]
 _BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}
 
@@ -54,7 +55,7 @@ def time_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
         rows = (
             envelope(time_s, run.work_ms, _BUCKETS),
             envelope(time_s, run.lag_ms, _BUCKETS),
-            (0.5 * (edges[1:] + edges[:-1]), rate(time_s, run["toggles"], edges)),
+            (0.5 * (edges[1:] + edges[:-1]), bin_means(time_s, run["toggles"], edges)),
             envelope(time_s, run["sse_px_p95"], _BUCKETS),
         )
         for row, (x, y) in enumerate(rows, 1):
@@ -67,7 +68,7 @@ def time_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
         figure.update_yaxes(range=(0.0, _top(top)), row=row, col=1)
     figure.add_hline(y=comparison.budget_ms, row=1, col=1, line=_BUDGET)
     figure.update_xaxes(title_text="time of the trace, s", row=4, col=1)
-    return _styled(figure, 900)
+    return _styled(figure, 860, comparison.ok)
 
 
 def _top(tops: list[float]) -> float:
@@ -97,7 +98,7 @@ def distribution_chart(
     figure.update_yaxes(type="log", title_text="frames at least this slow, %", col=1)
     figure.update_yaxes(type="log", dtick=1)
     figure.update_xaxes(type="log", title_text="ms", tickvals=_TICKS_MS)
-    return _styled(figure, 380)
+    return _styled(figure, 350, comparison.ok)
 
 
 def largest_steps(comparison: Comparison) -> list[Step]:
@@ -142,7 +143,7 @@ def step_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
     figure.update_yaxes(range=(0.0, _top(tops)))
     figure.update_yaxes(title_text="work / budget", col=1)
     figure.update_xaxes(title_text="s since the step", row=rows)
-    return _styled(figure, 120 + 260 * rows)
+    return _styled(figure, 90 + 260 * rows, comparison.ok)
 
 
 def pareto_chart(comparison: Comparison, ink: dict[str, Ink]) -> Any:
@@ -165,7 +166,7 @@ def pareto_chart(comparison: Comparison, ink: dict[str, Ink]) -> Any:
     for column, other in enumerate(others, 1):
         figure.update_xaxes(title_text=_title(first), row=1, col=column)
         figure.update_yaxes(title_text=_title(other), row=1, col=column)
-    return _styled(figure, 400)
+    return _styled(figure, 370, comparison.ok)
 
 
 def duel_chart(comparison: Comparison) -> Any:
@@ -176,22 +177,24 @@ def duel_chart(comparison: Comparison) -> Any:
     labels = [policy.label for policy in comparison.ok]
     if not metrics or len(labels) < 2:
         return None
+    columns = len(metrics) if len(labels) <= _NARROW else 2
+    rows = -(-len(metrics) // columns)
     figure: Any = make_subplots(
-        rows=1, cols=len(metrics), shared_yaxes=True, horizontal_spacing=0.02,
-        subplot_titles=[_words(find_metric(metric)) for metric in metrics],
+        rows=rows, cols=columns, shared_yaxes=True, shared_xaxes=True, horizontal_spacing=0.02,
+        vertical_spacing=0.08, subplot_titles=[_words(find_metric(metric)) for metric in metrics],
     )  # fmt: skip
-    for column, metric in enumerate(metrics, 1):
+    for i, metric in enumerate(metrics):
         table = [comparison.beats[metric][label] for label in labels]
         text = [["" if p is None else f"{100 * p:.0f}" for p in row] for row in table]
         figure.add_heatmap(
             z=table, x=labels, y=labels, text=text, texttemplate="%{text}", zmin=0, zmax=1,
-            colorscale=_LOSE_TO_WIN,
-            showscale=False, xgap=2, ygap=2, hoverongaps=False, row=1, col=column,
+            colorscale=_LOSE_TO_WIN, showscale=False, xgap=2, ygap=2, hoverongaps=False,
+            row=1 + i // columns, col=1 + i % columns,
             hovertemplate="%{y} beats %{x}: %{text} %<extra></extra>",
         )  # fmt: skip
     figure.update_yaxes(autorange="reversed", showgrid=False)
     figure.update_xaxes(showgrid=False, tickangle=-45)
-    return _styled(figure, 190 + 36 * len(labels))
+    return _styled(figure, 190 + rows * (60 + 28 * len(labels)))
 
 
 def _point(policy: PolicyResult, metric: Metric) -> tuple[float | None, dict[str, Any]]:
@@ -231,11 +234,13 @@ def _short(values: Sequence[float] | Any) -> Any:
     return np.asarray(values, dtype=np.float32)
 
 
-def _styled(figure: Any, height_px: int) -> Any:
+def _styled(figure: Any, height_px: int, named: Sequence[PolicyResult] = ()) -> Any:
     """Return the figure with what all have in common; the page sets colours for light and dark."""
+    # The legend stands above, as many lines as its names need.
+    legend_px = 26 * -(-sum(len(policy.label) + 7 for policy in named) // 150)
     figure.update_layout(
-        height=height_px,
-        margin={"l": 60, "r": 12, "t": 64, "b": 48},
+        height=height_px + legend_px,
+        margin={"l": 60, "r": 12, "t": 38 + legend_px, "b": 48},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         font={"family": "system-ui, sans-serif", "size": 12, "color": "#808080"},

@@ -1,4 +1,4 @@
-"""Series short enough to draw: envelopes that keep extremes, rates over time, and tails."""
+"""Series short enough to draw: envelopes that keep extremes, means of bins, and tails."""
 
 from itertools import pairwise
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from ...models.arrays import FloatArray
 
-__all__ = ["envelope", "rate", "tail"]
+__all__ = ["bin_means", "envelope", "tail"]
 
 
 def envelope(x: FloatArray, y: FloatArray, buckets: int) -> tuple[FloatArray, FloatArray]:
@@ -27,17 +27,10 @@ def envelope(x: FloatArray, y: FloatArray, buckets: int) -> tuple[FloatArray, Fl
     return x[at], y[at]
 
 
-def rate(
-    x: FloatArray, y: FloatArray, edges: FloatArray, *, per: FloatArray | None = None
-) -> FloatArray:
-    """Return for each bin of x the sum of y over the sum of `per` (one a point by default).
-
-    NaN where a bin is empty.
-    """
-    weight = np.ones_like(y) if per is None else per
-    there = ~np.isnan(y)
-    total = np.histogram(x[there], edges, weights=y[there])[0]
-    count = np.histogram(x[there], edges, weights=weight[there])[0]
+def bin_means(x: FloatArray, y: FloatArray, edges: FloatArray) -> FloatArray:
+    """Return the mean of y in each bin of x, NaN where a bin is empty."""
+    total = np.histogram(x, edges, weights=y)[0]
+    count = np.histogram(x, edges)[0]
     return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
 
 

@@ -1,0 +1,142 @@
+"""The commands `compare` and `report`, as a user types them."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lodbench.cli.main import run
+
+SHORT = ["compare", "--frames", "60", "--workers", "1", "--resamples", "10"]
+BROKEN = """
+import numpy as np
+from lodbench.policies.protocol import Capabilities
+from lodbench.policies.selection import Selection
+
+
+class Broken:
+    capabilities = Capabilities()
+
+    def reset(self, scene, budget_ms):
+        pass
+
+    def select(self, view):
+        detail = np.full(len(view.ids), np.nan if view.frame == 40 else 0.0)
+        return Selection(view.ids, detail)
+"""
+
+
+def test_table_of_two_policies(capsys: pytest.CaptureFixture[str]) -> None:
+    """The table fits in 100 columns and says what was replayed."""
+    assert run([*SHORT, "--policy", "full", "--policy", "static-screen"]) == 0
+    out = capsys.readouterr().out
+    assert "plaza, 3,000 nodes · tour" in out
+    assert "static-screen" in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_json_is_one_document(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """With --json stdout is the document that is also written to the folder."""
+    out = tmp_path / "run"
+    assert run([*SHORT, "--policy", "full", "--seed", "5", "--json", "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    document = json.loads(text)
+    assert (document["schema"], document["seed"]) == ("lodbench.compare/1", 5)
+    assert (document["frames"], document["warmup"]) == (60, 30)
+    assert document["budget_ms"] == pytest.approx(1000 / 60)
+    assert (out / "comparison.json").read_text(encoding="utf-8") == text
+    assert (out / "frames" / "full.parquet").is_file()
+
+
+def test_failed_policy_ends_with_1_and_everything_is_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """A policy that returns NaN in frame 40 is told, and the other policy's results are there."""
+    mine = tmp_path / "mine.py"
+    mine.write_text(BROKEN, encoding="utf-8")
+    out = tmp_path / "run"
+    policies = ["--policy", f"{mine}:Broken", "--policy", "full"]
+    assert run([*SHORT, *policies, "--out", str(out)]) == 1
+    assert "Broken: frame 40: detail" in " ".join(capsys.readouterr().out.split())
+    assert {path.name for path in out.iterdir()} == {"report.html", "comparison.json", "frames"}
+    assert [path.name for path in (out / "frames").iterdir()] == ["full.parquet"]
+
+
+def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is asked of display, pipeline, view and timers is what was replayed."""
+    arguments = ["--display", "vsync", "--refresh-hz", "120", "--frames-in-flight", "3"]
+    arguments += ["--fovy-deg", "50", "--crossfade-ms", "200", "--measurement-delay", "2"]
+    arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "10"]
+    assert run([*SHORT, "--policy", "feedback", *arguments, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    conditions = document["conditions"]
+    wanted = {
+        "display": "vsync",
+        "refresh_hz": 120.0,
+        "frames_in_flight": 3,
+        "fovy_deg": 50.0,
+        "crossfade_ms": 200.0,
+        "measurement_delay": 2,
+        "hardware_assumed": True,
+    }
+    assert {key: conditions[key] for key in wanted} == wanted
+    assert (document["budget_ms"], document["warmup"]) == (5.0, 10)
+    metrics = document["policies"][0]["metrics"]
+    assert metrics["missed_vsync_fraction"]["value"] is not None
+
+
+def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """`report DIR` brings back the same page; of another folder it says what it wants."""
+    out = tmp_path / "run"
+    assert run([*SHORT, "--policy", "full", "--out", str(out)]) == 0
+    before = (out / "report.html").read_bytes()
+    (out / "report.html").unlink()
+    capsys.readouterr()
+    assert run(["report", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["report"] == str(out / "report.html")
+    assert (out / "report.html").read_bytes() == before
+    assert run(["report", str(tmp_path)]) == 2
+    assert "give a folder that `lodbench compare --out` wrote" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--scene", "plazza"], "did you mean plaza?"),
+        (["--trace", "tuor"], "did you mean tour?"),
+        (["--hardware", "desktop"], "desktop-assumed"),
+        (["--policy", "ful"], "did you mean full?"),
+        (["--budget-ms", "0"], "budget: expected milliseconds > 0"),
+        (["--budget-ms", "nan"], "budget: expected milliseconds > 0"),
+        (["--frames", "0"], "frames: expected 1"),
+        (["--warmup", "-1"], "warmup: expected"),
+        (["--display", "crt"], "immediate, vsync, mailbox or vrr"),
+        (["--refresh-hz", "0"], "refresh_hz"),
+        (["--frames-in-flight", "9"], "1 to 4"),
+        (["--faults", "missing=2"], "faults"),
+        (["--faults", "lost=0.1"], "--faults: expected"),
+        (["--faults", "missing=lots"], "--faults: expected"),
+        (["--place", "middle"], "fit, center, none"),
+        (["--policy", "full", "--policy", "full"], "full twice"),
+    ],
+)
+def test_bad_input_ends_with_2_and_one_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever is wrong is told in one line that begins with error, and nothing is printed."""
+    assert run([*SHORT, *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("error: ")
+    assert captured.err.count("\n") == 1
+    assert said in captured.err
+
+
+def test_folder_in_the_way_is_refused_before_the_replays(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """A folder with other files is refused at once and stays as it is."""
+    (tmp_path / "thesis.tex").write_text("mine", encoding="utf-8")
+    assert run([*SHORT, "--frames", "100000", "--out", str(tmp_path)]) == 2
+    assert "thesis.tex" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
