@@ -140,3 +140,32 @@ def test_folder_in_the_way_is_refused_before_the_replays(
     assert run([*SHORT, "--frames", "100000", "--out", str(tmp_path)]) == 2
     assert "thesis.tex" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.fixture(scope="module")
+def mesh_scene(data_dir: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build a scene of 60 objects from two real meshes."""
+    target = tmp_path_factory.mktemp("scene") / "real.lodscene"
+    meshes = [str(data_dir / "meshes" / name) for name in ("spot.obj", "suzanne.obj")]
+    layout = ["--layout", "scatter", "--count", "60", "--seed", "1", "--out", str(target)]
+    assert run(["scene", "build", *meshes, *layout]) == 0
+    return target
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize(
+    "trace", ["tum-freiburg1-xyz.txt", "euroc-v102.csv", "kitti-00.txt", "hmd-6dof-h1.csv#first"]
+)
+def test_real_trace_over_real_meshes_on_measured_hardware(
+    trace: str, mesh_scene: Path, data_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A path, meshes and costs that were all measured: objects come into view and cost time."""
+    where = ["--scene", str(mesh_scene), "--trace", str(data_dir / "traces" / trace)]
+    policies = ["--policy", "full", "--policy", "static-screen", "--hardware", "llvmpipe"]
+    capsys.readouterr()
+    assert run([*SHORT, *where, *policies, "--draws", "2", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    full, static = (policy["metrics"]["triangles_mean"]["value"] for policy in document["policies"])
+    assert 0 < static <= full
+    assert not document["conditions"]["hardware_assumed"]
+    assert document["intervals"]["draws"] == 2
