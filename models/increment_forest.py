@@ -7,6 +7,7 @@ benefit per cost is taken, again and again, from the coarsest representation on.
 
 Taking one at a time, a good increment behind a poor one waits for it.  So the order is known in
 advance: by the least benefit per cost met on the way to an increment; increments are taken in bulk.
+Of several that waited for the same one, those higher up come first, whatever their own slopes.
 """
 
 import math
@@ -52,7 +53,7 @@ class IncrementForest:
         """
         self._above, self._layers = above, layers
         self.taken = np.zeros(cost.shape, dtype=np.bool_)
-        self._matrix = cost
+        self._matrix = np.where(void, 0.0, cost)
         ratio = np.divide(gain, cost, out=np.full(cost.shape, math.inf), where=cost > 0.0)
         ratio[gain <= 0.0] = -math.inf
         ratio[void] = math.inf

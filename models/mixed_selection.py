@@ -9,6 +9,8 @@ from .smooth_ascent import Ascent
 
 __all__ = ["raise_in_turn"]
 
+_NOTHING = 1e-10  # of the budget: less than this is not worth a step
+
 
 def raise_in_turn(
     discrete: IncrementForest, smooth: Ascent, budget: float, max_steps: int
@@ -19,7 +21,7 @@ def raise_in_turn(
     where that slope falls to the increments'.  Whatever step is the last, the budget holds.
     """
     left, steps, exhausted = budget, 0, False
-    while left > 0.0 and steps < max_steps:
+    while left > _NOTHING * budget and steps < max_steps:
         slope_d = discrete.slope(left)
         slope_c = 0.0 if exhausted else smooth.slope()
         if slope_d <= 0.0 and slope_c <= 0.0:

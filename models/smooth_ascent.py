@@ -6,8 +6,8 @@ before full resolution, and a line search to where benefit per cost falls to a g
 
 Differences.  The gradient is taken in ``sqrt(x)``, in which the benefit is linear: there the ray
 from nothing is the path of the optimum, ``x ∝ weight²``, whereas steps along the gradient in x end
-at ``x ∝ weight^(2/3)`` and, since resolutions only rise, cannot leave it.  A ray that meets a bound
-is bent along it instead of ended, which spares a step for each variable that reaches it.
+at ``x ∝ weight^(2/3)`` and, since resolutions only rise, cannot leave it.  A ray may be bent along
+a bound that it meets instead of ended there, which spares a step for each variable that reaches it.
 """
 
 import math
@@ -20,8 +20,8 @@ from .arrays import BoolArray, FloatArray
 
 __all__ = ["Ascent", "GradientAscent", "NewtonAscent"]
 
-_PRECISION = 1e-13
-_MAX_PASSES = 100  # of one line search; it takes about five
+_PRECISION = 1e-12  # relative, of slopes and costs
+_MAX_PASSES = 100  # of one line search; it takes about ten
 
 
 class Ascent(Protocol):
@@ -83,15 +83,23 @@ class GradientAscent:
 
     w in [0, 1] is the root of a variable over that of its highest value, so that the barrier is in
     units of the variable's own gradient.  A variable below its lowest value has that value, and
-    costs no more, until the ray lifts it.
+    costs no more, until the ray lifts it.  A ray ends where the first variable reaches its highest
+    value, as printed, or where all have that move, if it is `bent`.
     """
 
-    __slots__ = ("_at", "_direction", "_high", "_low", "_weight", "barrier", "passes")
+    __slots__ = ("_at", "_bent", "_direction", "_high", "_low", "_weight", "barrier", "passes")
 
     def __init__(
-        self, weight: FloatArray, low: FloatArray, high: FloatArray, barrier: float
+        self,
+        weight: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+        *,
+        barrier: float,
+        bent: bool,
     ) -> None:
         """Begin at `low`; `weight`, `low` and `high` are (V,) and not negative."""
+        self._bent = bent
         self._weight = np.where(high > low, weight, 0.0)
         self._low, self._high = np.sqrt(low), np.sqrt(high)
         self._at = np.zeros(len(weight))
@@ -144,15 +152,16 @@ class GradientAscent:
         step = self._find_slope(slope, end) if slope > 0.0 else end
         if self._cost(self._at + step * self._direction) - before > spend:
             step = self._find_cost(before + spend, step)
-        self._at = self._at + step * self._direction
+        place = self._at + step * self._direction
+        # What is to reach its highest value does so whatever was rounded.
+        self._at = np.where(place >= self._high * (1.0 - _PRECISION), self._high, place)
         return self._cost(self._at) - before
 
     def _end(self) -> float:
-        """Return where all variables that move now have reached their highest value."""
+        """Return where the ray ends: variables that move now have reached their highest value."""
         moving = (self._direction > 0.0) & (self._at >= self._low)
-        until = np.zeros(len(self._at))
-        np.divide(self._high - self._at, self._direction, out=until, where=moving)
-        return float(until.max()) * (1.0 + _PRECISION)
+        until = (self._high[moving] - self._at[moving]) / self._direction[moving]
+        return float(until.max() if self._bent else until.min())
 
     def _find_slope(self, slope: float, end: float) -> float:
         """Return the step at which value = 2 slope · (drift + step · speed), within [0, end]."""

@@ -47,8 +47,9 @@ class Zach:
 
     Uses: the cost model, projected areas and importance of the nodes in view.
 
-    Parameters: `splitting`, `epsilon`, `barrier`, `cull_px`, `engine` (how smooth variables rise),
-    `max_steps` (increments taken together, or one line search, are one step).
+    Parameters: `splitting`, `epsilon`, `barrier`, `cull_px`, `engine` (how smooth variables rise:
+    along rays that end at the first bound they meet, as printed, or are bent along it, or by the
+    closed form), `max_steps` (increments taken together, or one line search, are one step).
 
     Cost per frame: O(n log n) for n nodes in view, and O(V) a step for V variables.
 
@@ -61,8 +62,8 @@ class Zach:
     epsilon: float = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
     barrier: float = 1e-3  # ours; "a small constant" in the paper
     cull_px: float = 2.0  # ours; the paper prints no value
-    engine: Literal["gradient", "newton"] = "gradient"  # the paper's
-    max_steps: int = 256  # ours; some twenty are needed
+    engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
+    max_steps: int = 256  # ours; "bent" and "newton" need some twenty
     _budget_ms: float = field(init=False, default=0.0)
     _costs: ResolutionCosts = field(init=False)
     _patches: Patches = field(init=False)
@@ -116,7 +117,8 @@ class Zach:
     def _ascent(self, plan: Plan) -> Ascent:
         if self.engine == "newton":
             return NewtonAscent(plan.weight, plan.low, plan.high)
-        return GradientAscent(plan.weight, plan.low, plan.high, self.barrier)
+        bent = self.engine == "bent"
+        return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
 
     def _coarsest(self, view: View, offer: Offer, seen: View) -> Selection:
         """Return the least that can be drawn without leaving out what is no group of splats."""

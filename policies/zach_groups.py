@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..models.allocation import allocate
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.benefit import level_primitives
 from ..models.predictors import LEVEL_PREDICTORS
@@ -14,13 +13,14 @@ from ..models.variable_splitting import LeafTree, Splitting, split_variables
 from .resolution_cost import ResolutionCosts
 from .view import View
 
-__all__ = ["Groups", "Plan", "affordable"]
+__all__ = ["Admission", "Groups", "Plan", "admit"]
 
 _SPLATS = LEVEL_PREDICTORS.index("splats")
 _DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
 _K = 1.0 / 16.0  # the paper's weight of vegetation against terrain
 _TREES = 64.0  # the paper's largest group
 _LEAST_WEIGHT = 1e-12  # of the greatest; so that what is worth nothing is raised last, not never
+_LEAST_SCALE = 1e-40  # of the greatest; with the square of the above, where bisection begins
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,26 +130,23 @@ class Groups:
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
         large = ~optional | (seen.area_px >= cull_px * cull_px)
         at = np.flatnonzero(large)
-        chosen, comparisons = affordable(
+        admission = admit(
             setup[at], (full * floor)[at], full[at], weight[at], optional[at], budget_ms
         )
-        if chosen is None:
+        if admission is None:
             return None
-        at = at[chosen]
+        at = at[admission.drawn]
         setup, full, floor, weight = setup[at], full[at], floor[at], weight[at]
-        setup_ms = float(setup.sum())
-        low = full * floor
-        drawn = np.zeros(len(inside), dtype=np.bool_)
-        drawn[np.flatnonzero(inside)[at]] = True
         splitting = _apart(len(at))
         if epsilon is not None and not self.scene.flat:
-            ones = np.ones(len(at))
-            spend = budget_ms - setup_ms
-            best = allocate(0.5 * weight, ones, spend, power=0.5, low=low, high=full)
-            comparisons += best.comparisons
-            lose = epsilon * float((weight * np.sqrt(best.x)).sum())
-            splitting = split_variables(self._leaves, drawn, weight, low, full, best.x, lose)
-        return _plan(seen.ids[at], setup_ms, full, floor, weight, splitting, len(seen), comparisons)
+            drawn = np.zeros(len(inside), dtype=np.bool_)
+            drawn[np.flatnonzero(inside)[at]] = True
+            low = full * floor
+            share = np.clip(admission.scale * np.square(weight), low, full)
+            lose = epsilon * float((weight * np.sqrt(share)).sum())
+            splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
+        groups = seen.ids[at], float(setup.sum()), full, floor
+        return _plan(*groups, weight, splitting, len(seen), admission.comparisons)
 
 
 def _apart(count: int) -> Splitting:
@@ -194,37 +191,69 @@ def _plan(
     )
 
 
-def affordable(
+@dataclass(frozen=True, slots=True)
+class Admission:
+    """Groups to draw, and what the best use of the budget would spend on them.
+
+    Attributes
+    ----------
+    drawn : (u,) int
+        In ascending order.
+    scale : float
+        At least the ratio of what a group's resolution costs to the square of its weight, where no
+        bound holds, in the best use of the budget; at most four times that.
+    comparisons : int
+    """
+
+    drawn: IntArray
+    scale: float
+    comparisons: int
+
+
+def admit(
     setup: FloatArray,
     low: FloatArray,
     high: FloatArray,
     weight: FloatArray,
     optional: BoolArray,
     budget: float,
-) -> tuple[IntArray | None, int]:
-    """Return which groups to draw, in order, and the comparisons made; None if too many must be.
+) -> Admission | None:
+    """Return which groups to draw; None if those that are not optional are too dear at `low`.
 
     A group is worth its setup if the best use of the budget would spend on its resolution at least
     as much as on its setup, and at least its lowest: then it has a splat for every tree.  That is
     the tangent from nothing to its benefit.  Costs and weights are (n,); benefit is ``weight ·
     sqrt(x)``.
     """
-    entry = np.minimum(np.maximum(setup, low), high)
     squared = np.square(weight)
+    entry = np.minimum(np.maximum(setup, low), high)
     key = np.divide(entry, squared, out=np.zeros(len(entry)), where=optional & (squared > 0.0))
     order = np.argsort(key, kind="stable")
-    key, squared, setup = key[order], squared[order], setup[order]
-    low, high = low[order], high[order]
-    must = int(len(order) - np.count_nonzero(optional))
-    if must and float((setup + low)[:must].sum()) > budget:
-        return None, 0
-    fewest, most = must, len(order)
+    key, columns = key[order], np.stack((squared, setup, low, high))[:, order]
+
+    def spent(scale: float, count: int) -> float:
+        squared, setup, low, high = columns[:, :count]
+        return float((np.clip(scale * squared, low, high) + setup).sum())
+
+    fewest, most = int(len(order) - np.count_nonzero(optional)), len(order)
+    if spent(0.0, fewest) > budget:
+        return None
+    comparisons = most * most.bit_length()
     while fewest < most:
         count = (fewest + most + 1) // 2
-        spent = np.clip(key[count - 1] * squared[:count], low[:count], high[:count])
-        if float((setup[:count] + spent).sum()) <= budget:
+        comparisons += 2 * count
+        if spent(float(key[count - 1]), count) <= budget:
             fewest = count
         else:
             most = count - 1
-    comparisons = len(order) * max(len(order).bit_length(), 1)
-    return np.sort(order[:fewest]), comparisons
+    drawn = np.sort(order[:fewest])
+    if fewest < len(order):
+        return Admission(drawn, float(key[fewest]), comparisons)
+    full = np.divide(high, squared, out=np.zeros(len(high)), where=squared > 0.0)
+    above = float(full.max(initial=0.0))
+    below = max(float(key[-1]) if len(key) else 0.0, _LEAST_SCALE * above)
+    while above > 4.0 * below:
+        middle = float(np.sqrt(below)) * float(np.sqrt(above))
+        comparisons += 2 * len(order)
+        below, above = (middle, above) if spent(middle, fewest) <= budget else (below, middle)
+    return Admission(drawn, above, comparisons)

@@ -56,6 +56,7 @@ class Patches:
     _depth: IntArray = field(init=False)
     _exponent: FloatArray = field(init=False)
     _root: IntArray = field(init=False)
+    _level_costs: tuple[FloatArray, FloatArray] = field(init=False)
 
     def __post_init__(self) -> None:
         scene, depth = self.scene, self.tree.depth
@@ -80,20 +81,20 @@ class Patches:
         put(self, "_depth", steps)
         put(self, "_exponent", (highest[root] - height).astype(np.float64))
         put(self, "_root", root)
+        put(self, "_level_costs", self.costs.level_ms(scene.types.levels))
 
     def offer(self, view: View) -> Offer:
         """Return the discrete nodes in view below the view's roots."""
         seen, above = self._in_view(view)
-        cost_ms, same = self._level_ms(seen)
-        columns = cost_ms.shape[1]
-        coarser = np.minimum(columns - 1.0 - np.arange(columns), self._last_level(seen)[:, None])
+        level = self._level(seen)
+        cost_ms = self._level_ms(seen, level)
         has_children = np.bincount(above[above >= 0], minlength=len(above)) > 0
         stays = self.scene.additive[seen.ids]
         layers = self._layers(seen.ids)
         area = self._area(seen, above, layers, whole=stays | ~has_children)
-        finer: FloatArray = self._exponent[seen.ids][:, None] - coarser
-        benefit = np.exp2(0.5 * finer) * area[:, None]
-        void = np.column_stack((same, ~has_children))
+        exponent = self._exponent[seen.ids][:, None]
+        benefit = np.exp2(0.5 * (exponent - level)) * area[:, None]
+        void = np.column_stack((level[:, 1:] == level[:, :-1], ~has_children))
         gives_way = np.where(stays, 0.0, 1.0)
         forest = IncrementForest(
             _steps(cost_ms, above, gives_way),
@@ -136,16 +137,15 @@ class Patches:
     def _last_level(self, seen: View) -> IntArray:
         return self.scene.types.levels.level_count[seen.type_index] - 1
 
-    def _level_ms(self, seen: View) -> tuple[FloatArray, BoolArray]:
-        """Return costs of levels, coarsest first, (m, L), and where one repeats the one before."""
-        levels = self.scene.types.levels
-        linear, geometry = self.costs.level_ms(levels)
+    def _level(self, seen: View) -> IntArray:
+        """Return the level of each column, coarsest first; short chains repeat theirs, (m, L)."""
         last = self._last_level(seen)
-        width = int(last.max(initial=0)) + 1
-        level = np.minimum(np.arange(width)[::-1], last[:, None])
-        row = levels.start[seen.type_index][:, None] + level
-        cost_ms = self.costs.object_ms(linear[row], geometry[row], seen.area_px[:, None])
-        return cost_ms, np.arange(width)[:0:-1] > last[:, None]
+        return np.minimum(np.arange(int(last.max(initial=0)) + 1)[::-1], last[:, None])
+
+    def _level_ms(self, seen: View, level: IntArray) -> FloatArray:
+        linear, geometry = self._level_costs
+        row = self.scene.types.levels.start[seen.type_index][:, None] + level
+        return self.costs.object_ms(linear[row], geometry[row], seen.area_px[:, None])
 
     def _layers(self, ids: IntArray) -> IntArray:
         depth = self._depth[ids]
