@@ -78,7 +78,7 @@ def test_bulk_takes_of_trees_what_one_at_a_time_would(seed: int, rows: int, colu
     """Slopes fall down the tree, as they do where refinements pay less and less."""
     cost, _, void, above, layers = random_forest(seed, rows, columns)
     rng = np.random.default_rng(seed)
-    cost = np.abs(cost) + 0.01
+    cost = np.abs(cost) + rng.uniform(0.01, 0.02, cost.shape)  # no ties
     slope = rng.uniform(0.5, 0.99, cost.shape)
     for row in range(rows):
         slope[row, 0] *= slope[above[row], -1] if above[row] >= 0 else 5.0
