@@ -88,19 +88,14 @@ def compare(
         If a policy is given twice or its parameters are refused.
     """
     options = options or CompareOptions()
-    labels = [spec.text for spec in policies]
-    if len(set(labels)) != len(labels):
-        twice = next(label for label in labels if labels.count(label) > 1)
-        raise InputError(f"policy: expected each once, got {twice} twice; name it once")
-    unfit = {spec.text: why_not_applicable(spec.make().capabilities, scene) for spec in policies}
+    unfit = _unfit(policies, scene)
     world = World(scene, trace, hardware, replay_options, options.warmup)
     draws = _choose_draws(hardware, options.draws)
-    fit = [label for label in labels if unfit[label] is None]
+    fit = [label for label, reason in unfit.items() if reason is None]
     total = len(fit) * (1 + len(draws))
+    each = _per_draw(options, draws)
     with started(world, min(options.processes, total)) as run_jobs:
-        means, drawn = _run(
-            fit, draws, _per_draw(options, draws), _counted(run_jobs, total, progress)
-        )
+        means, drawn = _run(fit, draws, each, _counted(run_jobs, total, progress))
     results = tuple(_result(spec, unfit[spec.text], means, drawn) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
     pools = {item.label: pool_of(means[item.label], drawn[item.label]) for item in scored}
@@ -114,14 +109,22 @@ def compare(
         frames=max(map(len, logs.values()), default=0),
         warmup=options.warmup,
         conditions=_conditions(world),
-        intervals=Intervals(
-            LEVEL, _per_draw(options, draws) * max(len(draws), 1), BLOCKS, len(draws)
-        ),
+        intervals=Intervals(LEVEL, each * max(len(draws), 1), BLOCKS, len(draws)),
         policies=results,
         pareto=find_front([item for item in scored if not item.oracle], pools),
         beats=beats(pools),
     )
     return comparison, logs
+
+
+def _unfit(policies: Sequence[PolicySpec], scene: Scene) -> dict[str, str | None]:
+    """Return by label why each policy does not apply, or None; refuse a label given twice."""
+    unfit: dict[str, str | None] = {}
+    for spec in policies:
+        if spec.text in unfit:
+            raise InputError(f"policy: expected each once, got {spec.text} twice; name it once")
+        unfit[spec.text] = why_not_applicable(spec.make().capabilities, scene)
+    return unfit
 
 
 def _choose_draws(hardware: HardwareProfile, count: int) -> list[int]:

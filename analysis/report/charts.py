@@ -1,24 +1,20 @@
-"""Charts of a report: over time, of distributions, after steps, and of trade-offs."""
+"""Charts of a report: over time, of distributions, and after steps."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...sim.frame_log import FrameLog
-from ..comparison import Comparison, PolicyResult
-from ..metrics.metric import Metric
-from ..metrics.registry import find_metric
+from ..comparison import Comparison
 from ..metrics.run import Run
 from ..metrics.steps import Step
 from .palette import Ink
 from .series import bin_means, envelope, tail
+from .style import BUDGET, line_of, shortened, styled
 
 __all__ = [
     "distribution_chart",
-    "duel_chart",
     "largest_steps",
-    "pareto_chart",
     "step_chart",
     "time_chart",
 ]
@@ -28,9 +24,6 @@ _BIN_S = 0.5
 _BEFORE_S, _AFTER_S = 0.25, 1.5
 _MOST_STEPS = 6
 _TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
-_NARROW = 8
-_LOSE_TO_WIN = [[0, "#dd8452"], [0.5, "rgba(136,136,136,0.15)"], [1, "#3d85b8"]]
-_BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}
 
 
 def time_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str, Ink]) -> Any:
@@ -60,15 +53,20 @@ def time_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
         )
         for row, (x, y) in enumerate(rows, 1):
             figure.add_scatter(
-                x=_short(x), y=_short(y), row=row, col=1, showlegend=row == 1, **_line(policy, ink)
+                x=shortened(x),
+                y=shortened(y),
+                row=row,
+                col=1,
+                showlegend=row == 1,
+                **line_of(policy, ink),
             )
             tops[row - 1].append(float(np.nanquantile(y, 0.99)))
     tops[0].append(comparison.budget_ms)
     for row, top in enumerate(tops, 1):
         figure.update_yaxes(range=(0.0, _top(top)), row=row, col=1)
-    figure.add_hline(y=comparison.budget_ms, row=1, col=1, line=_BUDGET)
+    figure.add_hline(y=comparison.budget_ms, row=1, col=1, line=BUDGET)
     figure.update_xaxes(title_text="time of the trace, s", row=4, col=1)
-    return _styled(figure, 860, comparison.ok)
+    return styled(figure, 860, comparison.ok)
 
 
 def _top(tops: list[float]) -> float:
@@ -91,14 +89,14 @@ def distribution_chart(
         for column, values in enumerate((run.work_ms, run.frame_ms), 1):
             x, y = tail(values, 300)
             figure.add_scatter(
-                x=_short(x), y=_short(100.0 * y), row=1, col=column, showlegend=column == 1,
-                line_shape="vh", **_line(policy, ink),
+                x=shortened(x), y=shortened(100.0 * y), row=1, col=column, showlegend=column == 1,
+                line_shape="vh", **line_of(policy, ink),
             )  # fmt: skip
-    figure.add_vline(x=comparison.budget_ms, line=_BUDGET)
+    figure.add_vline(x=comparison.budget_ms, line=BUDGET)
     figure.update_yaxes(type="log", title_text="frames at least this slow, %", col=1)
     figure.update_yaxes(type="log", dtick=1)
     figure.update_xaxes(type="log", title_text="ms", tickvals=_TICKS_MS)
-    return _styled(figure, 350, comparison.ok)
+    return styled(figure, 350, comparison.ok)
 
 
 def largest_steps(comparison: Comparison) -> list[Step]:
@@ -135,121 +133,12 @@ def step_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
             near = (since_s >= -_BEFORE_S) & (since_s <= _AFTER_S)
             x, y = envelope(since_s[near], run.work_ms[near] / comparison.budget_ms, _BUCKETS)
             figure.add_scatter(
-                x=_short(x), y=_short(y), row=1 + i // columns, col=1 + i % columns,
-                showlegend=i == 0, **_line(policy, ink),
+                x=shortened(x), y=shortened(y), row=1 + i // columns, col=1 + i % columns,
+                showlegend=i == 0, **line_of(policy, ink),
             )  # fmt: skip
             tops.append(float(np.max(y, initial=0.0)))
-    figure.add_hline(y=1.0, line=_BUDGET)
+    figure.add_hline(y=1.0, line=BUDGET)
     figure.update_yaxes(range=(0.0, _top(tops)))
     figure.update_yaxes(title_text="work / budget", col=1)
     figure.update_xaxes(title_text="s since the step", row=rows)
-    return _styled(figure, 90 + 260 * rows, comparison.ok)
-
-
-def pareto_chart(comparison: Comparison, ink: dict[str, Ink]) -> Any:
-    """Return stability against lag, flicker and quality, with intervals; the front is filled."""
-    from plotly.subplots import make_subplots
-
-    first, *others = (find_metric(name) for name in comparison.pareto.metrics)
-    figure: Any = make_subplots(rows=1, cols=len(others), horizontal_spacing=0.07)
-    for policy in comparison.ok:
-        marker = {"color": ink[policy.label].color, "size": 11, "symbol": ink[policy.label].symbol}
-        if policy.label not in comparison.pareto.front:
-            marker["symbol"] = f"{marker['symbol']}-open"
-        for column, other in enumerate(others, 1):
-            x, x_error = _point(policy, first)
-            y, y_error = _point(policy, other)
-            figure.add_scatter(
-                x=[x], y=[y], error_x=x_error, error_y=y_error, row=1, col=column, marker=marker,
-                showlegend=column == 1, name=policy.label, legendgroup=policy.label, mode="markers",
-            )  # fmt: skip
-    for column, other in enumerate(others, 1):
-        figure.update_xaxes(title_text=_title(first), row=1, col=column)
-        figure.update_yaxes(title_text=_title(other), row=1, col=column)
-    return _styled(figure, 370, comparison.ok)
-
-
-def duel_chart(comparison: Comparison) -> Any:
-    """Return the probability that the policy of a row beats that of a column, by metric."""
-    from plotly.subplots import make_subplots
-
-    metrics = [metric for metric in comparison.pareto.metrics if metric in comparison.beats]
-    labels = [policy.label for policy in comparison.ok]
-    if not metrics or len(labels) < 2:
-        return None
-    columns = len(metrics) if len(labels) <= _NARROW else 2
-    rows = -(-len(metrics) // columns)
-    figure: Any = make_subplots(
-        rows=rows, cols=columns, shared_yaxes=True, shared_xaxes=True, horizontal_spacing=0.02,
-        vertical_spacing=0.08, subplot_titles=[_words(find_metric(metric)) for metric in metrics],
-    )  # fmt: skip
-    for i, metric in enumerate(metrics):
-        table = [comparison.beats[metric][label] for label in labels]
-        text = [["" if p is None else f"{100 * p:.0f}" for p in row] for row in table]
-        figure.add_heatmap(
-            z=table, x=labels, y=labels, text=text, texttemplate="%{text}", zmin=0, zmax=1,
-            colorscale=_LOSE_TO_WIN, showscale=False, xgap=2, ygap=2, hoverongaps=False,
-            row=1 + i // columns, col=1 + i % columns,
-            hovertemplate="%{y} beats %{x}: %{text} %<extra></extra>",
-        )  # fmt: skip
-    figure.update_yaxes(autorange="reversed", showgrid=False)
-    figure.update_xaxes(showgrid=False, tickangle=-45)
-    return _styled(figure, 190 + rows * (60 + 28 * len(labels)))
-
-
-def _point(policy: PolicyResult, metric: Metric) -> tuple[float | None, dict[str, Any]]:
-    """Return a value and its error bar, fractions in per cent."""
-    score = policy.metrics[metric.id]
-    scale = 100.0 if metric.unit == "fraction" else 1.0
-    if score.value is None or score.low is None or score.high is None:
-        return score.value, {}
-    up, down = max(score.high - score.value, 0.0), max(score.value - score.low, 0.0)
-    return scale * score.value, {
-        "type": "data", "array": [scale * up], "arrayminus": [scale * down],
-        "thickness": 1, "width": 3,
-    }  # fmt: skip
-
-
-def _words(metric: Metric) -> str:
-    """Return an id as words, without its unit."""
-    return " ".join(word for word in metric.id.split("_") if word != metric.unit)
-
-
-def _title(metric: Metric) -> str:
-    return f"{_words(metric)}, {'%' if metric.unit == 'fraction' else metric.unit}"
-
-
-def _line(policy: PolicyResult, ink: dict[str, Ink]) -> dict[str, Any]:
-    drawn = ink[policy.label]
-    return {
-        "mode": "lines",
-        "name": policy.label,
-        "legendgroup": policy.label,
-        "line": {"color": drawn.color, "dash": drawn.dash, "width": 1.4},
-    }
-
-
-def _short(values: Sequence[float] | Any) -> Any:
-    """Return values with the digits that a chart shows, which makes the page smaller."""
-    return np.asarray(values, dtype=np.float32)
-
-
-def _styled(figure: Any, height_px: int, named: Sequence[PolicyResult] = ()) -> Any:
-    """Return the figure with what all have in common; the page sets colours for light and dark."""
-    # The legend stands above, as many lines as its names need.
-    legend_px = 26 * -(-sum(len(policy.label) + 7 for policy in named) // 150)
-    figure.update_layout(
-        height=height_px + legend_px,
-        margin={"l": 60, "r": 12, "t": 38 + legend_px, "b": 48},
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="rgba(0,0,0,0)",
-        font={"family": "system-ui, sans-serif", "size": 12, "color": "#808080"},
-        legend={"orientation": "h", "x": 0, "y": 1.0, "yref": "container", "yanchor": "top"},
-        hoverlabel={"namelength": -1},
-        template="none",
-    )
-    line = {"gridcolor": "rgba(128,128,128,0.2)", "zeroline": False, "automargin": True}
-    figure.update_xaxes(**line)
-    figure.update_yaxes(**line)
-    figure.update_annotations(font_size=12, selector={"showarrow": False})
-    return figure
+    return styled(figure, 90 + 260 * rows, comparison.ok)

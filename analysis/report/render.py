@@ -8,7 +8,7 @@ from typing import Any
 from ...sim.frame_log import FrameLog
 from ..comparison import Comparison
 from ..table import describe_run
-from . import charts, tables
+from . import charts, tables, tradeoffs
 from .palette import inks
 
 __all__ = ["render_report"]
@@ -48,9 +48,9 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
         ),
         steps=_steps(comparison, logs, ink),
         front=_front(comparison),
-        pareto=_chart("pareto", charts.pareto_chart(comparison, ink) if scored else None),
+        pareto=_chart("pareto", tradeoffs.pareto_chart(comparison, ink) if scored else None),
         drawn=f" over {draws} posterior draws of the cost model" if draws else "",
-        duels=_chart("duels", charts.duel_chart(comparison)),
+        duels=_chart("duels", tradeoffs.duel_chart(comparison)),
         metrics=tables.metric_table(comparison, ink),
         provenance=tables.provenance(comparison),
     )
