@@ -124,7 +124,6 @@ def step_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
         rows=rows, cols=columns, shared_yaxes=True, subplot_titles=titles,
         vertical_spacing=0.5 / (2 * rows), horizontal_spacing=0.03,
     )  # fmt: skip
-    tops = [1.0]
     for policy in comparison.ok:
         run = Run(logs[policy.label])
         time_s = run.time_s
@@ -136,9 +135,8 @@ def step_chart(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str,
                 x=shortened(x), y=shortened(y), row=1 + i // columns, col=1 + i % columns,
                 showlegend=i == 0, **line_of(policy, ink),
             )  # fmt: skip
-            tops.append(float(np.max(y, initial=0.0)))
     figure.add_hline(y=1.0, line=BUDGET)
-    figure.update_yaxes(range=(0.0, _top(tops)))
+    figure.update_yaxes(rangemode="tozero")
     figure.update_yaxes(title_text="work / budget", col=1)
     figure.update_xaxes(title_text="s since the step", row=rows)
     return styled(figure, 90 + 260 * rows, comparison.ok)
