@@ -6,7 +6,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..errors import InputError
-from ..models.arrays import FloatArray, IntArray
 from ..models.mixed_selection import raise_in_turn
 from ..models.scene import Scene
 from ..models.smooth_ascent import Ascent, GradientAscent, NewtonAscent
@@ -23,6 +22,15 @@ __all__ = ["Zach"]
 
 _KEPT_BACK = 1e-9
 """Share of the budget that is left to rounding, so that a prediction never exceeds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Halves:
+    """What a scene's nodes cost, and which of them are discrete and which smooth."""
+
+    costs: ResolutionCosts
+    patches: Patches
+    groups: Groups
 
 
 @dataclass(slots=True)
@@ -65,9 +73,7 @@ class Zach:
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
     max_steps: int = 256  # ours; "bent" and "newton" need some twenty
     _budget_ms: float = field(init=False, default=0.0)
-    _costs: ResolutionCosts = field(init=False)
-    _patches: Patches = field(init=False)
-    _groups: Groups = field(init=False)
+    _halves: _Halves | None = field(init=False, default=None, repr=False, compare=False)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
@@ -78,41 +84,41 @@ class Zach:
                 "zach: expected epsilon, barrier, cull_px and max_steps >= 0, got "
                 f"{self.epsilon}, {self.barrier}, {self.cull_px} and {self.max_steps}"
             )
-        costs = require_costs(scene, "zach")
+        costs = ResolutionCosts(scene, "zach")
         self._budget_ms = budget_ms
-        self._costs = ResolutionCosts(scene, "zach")
         tree = Tree(scene)
         solid = (tree.primitives > 0.0) | tree.leaf
         free = tree.first_in(solid, np.arange(len(scene))) < 0
         smooth = scene.continuous & tree.leaf & free
-        self._patches = Patches(scene, tree, costs, solid & ~smooth)
-        self._groups = Groups(scene, tree, self._costs, smooth)
+        patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
+        self._halves = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""
-        costs, patches, groups = self._costs, self._patches, self._groups
-        offer = patches.offer(view)
-        inside, seen = groups.seen(view)
+        halves = self._halves
+        assert halves is not None, "reset comes first"
+        offer = halves.patches.offer(view)
+        inside, seen = halves.groups.seen(view)
         everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
-        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - costs.frame_ms(everything) - offer.base_ms
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
+        left_ms -= halves.costs.frame_ms(everything)
         epsilon = self.epsilon if self.splitting else None
-        plan = groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
+        plan = halves.groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
         if plan is None:
-            return self._coarsest(view, offer, seen)
-        smooth = self._ascent(plan)
-        left_ms -= plan.setup_ms + float(plan.low.sum())
-        _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
-        patch_ids, level = patches.front(offer)
-        resolution = np.maximum(plan.resolution(smooth.x), costs.lowest(view.at(plan.ids)))
-        passes = smooth.passes * len(plan.weight)
-        work = Work(
-            len(offer.view) + plan.visited,
-            plan.comparisons + offer.forest.count * offer.forest.count.bit_length() + passes,
-            steps,
-        )
-        return self._selection(
-            view, np.concatenate((patch_ids, plan.ids)), np.concatenate((level, resolution)), work
-        )
+            ids = seen.ids[~halves.groups.optional(seen)]
+            resolution = halves.costs.lowest(view.at(ids))
+            work = Work(len(everything))
+        else:
+            smooth = self._ascent(plan)
+            left_ms -= plan.setup_ms + float(plan.low.sum())
+            _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
+            ids = plan.ids
+            resolution = np.maximum(plan.resolution(smooth.x), halves.costs.lowest(view.at(ids)))
+            work = _work(offer, plan, smooth, steps)
+        patch_ids, level = halves.patches.front(offer)
+        ids, detail = np.concatenate((patch_ids, ids)), np.concatenate((level, resolution))
+        predicted_ms = halves.costs.predict_ms(view.at(ids), detail)
+        return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
 
     def _ascent(self, plan: Plan) -> Ascent:
         if self.engine == "newton":
@@ -120,14 +126,10 @@ class Zach:
         bent = self.engine == "bent"
         return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
 
-    def _coarsest(self, view: View, offer: Offer, seen: View) -> Selection:
-        """Return the least that can be drawn without leaving out what is no group of splats."""
-        ids, level = self._patches.front(offer)
-        drawn = view.at(seen.ids[~self._groups.optional(seen)])
-        work = Work(len(offer.view) + len(seen))
-        detail = np.concatenate((level, self._costs.lowest(drawn)))
-        return self._selection(view, np.concatenate((ids, drawn.ids)), detail, work)
 
-    def _selection(self, view: View, ids: IntArray, detail: FloatArray, work: Work) -> Selection:
-        predicted_ms = self._costs.predict_ms(view.at(ids), detail)
-        return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
+def _work(offer: Offer, plan: Plan, smooth: Ascent, steps: int) -> Work:
+    """Return what was done: two comparisons a variable and pass, and the sorting of increments."""
+    increments = offer.forest.count
+    comparisons = plan.comparisons + increments * increments.bit_length()
+    comparisons += 2 * smooth.passes * len(plan.weight)
+    return Work(len(offer.view) + plan.visited, comparisons, steps)
