@@ -157,10 +157,11 @@ def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
 
 def _wrong_detail(ids: IntArray, detail: FloatArray, scene: Scene) -> str | None:
     levels = scene.types.levels
-    kind = scene.type_index[ids]
+    kind = scene.type_index.take(ids)
     if not levels.continuous.any():
-        coarsest = levels.level_count[kind] - 1
-        good = (detail >= 0) & (detail <= coarsest) & (np.trunc(detail) == detail)
+        good = detail < levels.level_count.take(kind)
+        good &= detail >= 0
+        good &= np.trunc(detail) == detail
     else:
         soft = levels.continuous[kind]
         low = np.where(soft, levels.min_resolution[kind] - 1e-9, 0.0)

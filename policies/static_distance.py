@@ -74,7 +74,7 @@ class StaticDistance:
         level *= count
         np.floor(level, out=level)
         count -= 1.0
-        np.clip(level, 0.0, count, out=level)
+        np.minimum(np.maximum(level, 0.0, out=level), count, out=level)
         if self.hysteresis:
             self._hold(level, view)
         detail = detail_of_level(view.scene.types.levels, view.type_index, level)

@@ -9,20 +9,13 @@ from numpy.typing import NDArray
 from ..models.arrays import FloatArray
 from ..models.camera import Camera
 from ..models.cost import CostModel
-from ..models.predictors import (
-    FRAMEBUFFER_PIXELS,
-    LEVEL_PREDICTORS,
-    SHADED_SAMPLES,
-    STATE_CHANGES,
-)
+from ..models.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
 from ..models.scene import Scene
 from ..policies.selection import Selection
 from ..policies.view import View
 from .switches import Drawn, Switches
 
 __all__ = ["Accounting", "Tally"]
-
-_P = len(LEVEL_PREDICTORS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +37,11 @@ class Accounting:
         self._scene, self._levels, self._costs = scene, levels, costs
         self._any_continuous = bool(levels.continuous.any())
         self._finest = levels.start[:-1].astype(np.int64)
-        _, self._geometry_ms = costs.level_ms(levels)
+        self._level_ms, self._geometry_ms = costs.level_ms(levels)
         self.viewport_px = float(camera.viewport_px)
+        linear: list[float] = costs.linear_ms.tolist()
+        self._sample_ms, self._change_ms = linear[SHADED_SAMPLES], linear[STATE_CHANGES]
+        self._framebuffer_ms = self.viewport_px * linear[FRAMEBUFFER_PIXELS]
         self.switches = Switches(len(scene), crossfade_ns, self.viewport_px)
 
     def drawn(self, selection: Selection, view: View) -> Drawn:
@@ -67,7 +63,9 @@ class Accounting:
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
-        return self._price(self._finest.take(view.type_index), None, view.area_px, 0).gpu_ms
+        row, area_px = self._finest.take(view.type_index), view.area_px
+        samples = float(area_px.sum())
+        return self._price(self._times_drawn(row, None), row, None, area_px, samples, 1.0)[1]
 
     def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included.
@@ -84,33 +82,34 @@ class Accounting:
         pixel_share = render_scale * render_scale
         if pixel_share != 1.0:
             area_px = pixel_share * area_px
-        return self._price(row, fraction, area_px, len(at), pixel_share)
+        times_drawn, samples = self._times_drawn(row, fraction), float(area_px.sum())
+        changes, ms = self._price(times_drawn, row, fraction, area_px, samples, pixel_share)
+        # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
+        counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
+        return Tally(counts, samples, changes, ms, len(at))
 
     def _price(
         self,
+        times_drawn: FloatArray,
         row: NDArray[np.int64],
         fraction: FloatArray | None,
         area_px: FloatArray,
-        fading: int,
-        pixel_share: float = 1.0,
-    ) -> Tally:
-        costs, linear = self._costs, self._costs.linear_ms
-        times_drawn = self._times_drawn(row, fraction)
-        # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
-        counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
+        samples: float,
+        pixel_share: float,
+    ) -> tuple[int, float]:
+        """Return state changes and milliseconds."""
+        costs = self._costs
         changes = int(np.count_nonzero(np.add.reduceat(times_drawn, self._finest)))
-        samples = float(area_px.sum())
-        ms = costs.base_ms + float((counts * linear[:_P]).sum())
-        ms += samples * float(linear[SHADED_SAMPLES])
-        ms += pixel_share * self.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
-        ms += changes * float(linear[STATE_CHANGES])
+        ms = costs.base_ms + float((times_drawn * self._level_ms).sum())
+        ms += samples * self._sample_ms + pixel_share * self._framebuffer_ms
+        ms += changes * self._change_ms
         if costs.has_roofline:
             geometry = self._geometry_ms.take(row)
             if fraction is not None:
                 geometry = self._levels.interpolate(self._geometry_ms, row, fraction)
             pixels = area_px * costs.roofline_ms[SHADED_SAMPLES]
             ms += float(np.maximum(geometry, pixels).sum())
-        return Tally(counts, samples, changes, ms, fading)
+        return changes, ms
 
     def _times_drawn(self, row: NDArray[np.int64], fraction: FloatArray | None) -> FloatArray:
         """Return how many times each level is drawn, shared between the two about a resolution."""

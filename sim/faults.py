@@ -4,14 +4,15 @@ Users report timers that lose a frame, read zero after a stall, repeat an old va
 (a stalled frame reported as about 0 ms made a controller raise quality right after a lag spike).
 """
 
+import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..errors import InputError
-from ..models.arrays import FloatArray
 
-__all__ = ["Faults"]
+__all__ = ["Faults", "Report"]
+
+Report = tuple[float, float, float]
+"""CPU, GPU and work milliseconds of one frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +39,14 @@ class Faults:
         if not self.saturated_ms > 0.0:
             raise InputError(f"faults: expected saturated_ms > 0, got {self.saturated_ms}")
 
-    def report(self, times_ms: FloatArray, before: FloatArray, dice: float) -> FloatArray:
-        """Return what a timer says of one frame's times; `dice` is uniform in [0, 1)."""
+    def report(self, times_ms: Report, before: Report, dice: float) -> Report:
+        """Return what timers say of one frame; `dice` is uniform in [0, 1)."""
         if dice < self.missing:
-            return np.full_like(times_ms, np.nan)
+            return (math.nan, math.nan, math.nan)
         if dice < self.missing + self.zero:
-            return np.zeros_like(times_ms)
+            return (0.0, 0.0, 0.0)
         if dice < self.missing + self.zero + self.stale:
             return before
-        return np.minimum(times_ms, self.saturated_ms)
+        cpu_ms, gpu_ms, work_ms = times_ms
+        limit_ms = self.saturated_ms
+        return (min(cpu_ms, limit_ms), min(gpu_ms, limit_ms), min(work_ms, limit_ms))

@@ -9,7 +9,7 @@ from ..models.camera import Camera
 
 __all__ = ["Culler"]
 
-_BLOCK = 4096  # nodes whose buffers fit a core's cache; BLAS starts no threads for so few
+_BLOCK = 16_000  # nodes whose buffers fit a core's cache; BLAS starts no threads for so few
 
 
 class Culler:

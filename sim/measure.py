@@ -6,7 +6,7 @@ import numpy as np
 
 from ..models.arrays import FloatArray
 from ..policies.view import Completed
-from .faults import Faults
+from .faults import Faults, Report
 from .pipeline import Pipeline
 from .screens import DROPPED_NS
 
@@ -47,6 +47,7 @@ class FrameTimer:
     """
 
     __slots__ = (
+        "_before",
         "_delay",
         "_dice",
         "_faults",
@@ -61,6 +62,7 @@ class FrameTimer:
         self._faults, self._delay = faults, delay
         self._dice = FrameNoise(lambda rng, count: rng.random(count), seed)
         self._times = np.full((_BLOCK, 4), np.nan)
+        self._before: Report | None = None
         self._reported = 0  # frames whose work times have been read
         self._presented = 0  # frames known to be shown or dropped
         self._last_shown_ns = -1
@@ -87,9 +89,9 @@ class FrameTimer:
             self._times = np.concatenate((self._times, np.full_like(self._times, np.nan)))
         cpu_ms = (pipeline.cpu_end_ns[frame] - pipeline.input_ns[frame]) * 1e-6
         gpu_ms = (pipeline.gpu_end_ns[frame] - pipeline.gpu_start_ns[frame]) * 1e-6
-        truth = np.array((cpu_ms, gpu_ms, max(cpu_ms, gpu_ms)))
-        before = self._times[frame - 1, :3] if frame else truth
-        self._times[frame, :3] = self._faults.report(truth, before, self._dice.next())
+        truth = (cpu_ms, gpu_ms, max(cpu_ms, gpu_ms))
+        self._before = self._faults.report(truth, self._before or truth, self._dice.next())
+        self._times[frame, :3] = self._before
 
     def _read_presents(self, count: int, pipeline: Pipeline) -> None:
         display_ns = pipeline.display_ns

@@ -49,10 +49,10 @@ class FlatQuality:
         self._any_continuous = bool(levels.continuous.any())
         self._finest = levels.start[:-1].astype(np.int64)
         self._primitives = level_primitives(levels)
-        self._accuracy = level_accuracy(levels)
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
-        self._per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
+        per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
+        self._per_level = np.stack((level_accuracy(levels), per_primitive))
         self._unit_importance = bool((scene.importance == 1.0).all())
 
     def units(self, view: View) -> View:
@@ -79,13 +79,13 @@ class FlatQuality:
         """Return the weighted sums of accuracy and of one over primitives."""
         if fraction is None:
             # numpy's stubs say that bincount returns integers with weights too.
-            per_row: Any = np.bincount(row, weight, len(self._accuracy))
-            weight = per_row
-            accuracy, per_primitive = self._accuracy, self._per_primitive
+            per_row: Any = np.bincount(row, weight, len(self._primitives))
+            sums = np.add.reduce(self._per_level * per_row, axis=1)
         else:
             primitives = self._levels.interpolate(self._primitives, row, fraction)
-            accuracy, per_primitive = _accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)
-        return float((weight * accuracy).sum()), float((weight * per_primitive).sum())
+            scores = np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
+            sums = np.add.reduce(scores * weight, axis=1)
+        return float(sums[0]), float(sums[1])
 
     def _weight(self, ids: IntArray, area_px: FloatArray) -> FloatArray:
         return area_px if self._unit_importance else area_px * self._scene.importance.take(ids)
