@@ -83,7 +83,7 @@ class ClusterCut:
 
     def _steer(self, completed: Completed) -> None:
         target_ms = self.target * self._budget_ms
-        ratio = self._reports.newest_ms(completed, target_ms) / target_ms
+        ratio = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
         if np.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
             return
         step = np.clip(ratio**self.gain, 1.0 / self.rate_limit, self.rate_limit)

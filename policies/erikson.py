@@ -9,9 +9,9 @@ from ..errors import InputError
 from ..models.arrays import FloatArray
 from ..models.scene import Scene
 from .best_first import refine_best_first
-from .fresh_times import FreshTimes
 from .hierarchy import Hierarchy
 from .protocol import Capabilities
+from .reports import Reports
 from .selection import Selection, Work
 from .view import View
 
@@ -40,7 +40,7 @@ class Erikson:
     target: float = 0.9  # share of the budget to aim at; Unreal's headroom
     _budget_ms: float = field(init=False, default=0.0)
     _hierarchy: Hierarchy = field(init=False)
-    _times: FreshTimes = field(init=False, default_factory=FreshTimes)
+    _reports: Reports = field(init=False, default_factory=Reports)
     _drawn: list[float] = field(init=False, default_factory=list[float])
     _polygons: float = field(init=False, default=0.0)
 
@@ -52,17 +52,17 @@ class Erikson:
             raise InputError(f"erikson: expected target in (0, 1], got {self.target:g}")
         self._hierarchy = Hierarchy(scene)
         self._budget_ms = budget_ms
-        self._times = FreshTimes()
+        self._reports = Reports()
         self._drawn = []
         self._polygons = 0.0
 
     def select(self, view: View) -> Selection:
         """Return the front within the polygon budget."""
         tree = self._hierarchy
-        report = self._times.newest(view.completed.work_ms)
-        if report is not None and self._drawn[report[0]] > 0.0:
-            frame, time_ms = report
-            self._polygons = self._drawn[frame] * self.target * self._budget_ms / time_ms
+        target_ms = self.target * self._budget_ms
+        frames, times_ms = self._reports.new(view.completed.work_ms, target_ms)
+        if len(frames) and (drawn := self._drawn[int(frames[-1])]) > 0.0:
+            self._polygons = drawn * target_ms / float(times_ms[-1])
         seen = view.at(np.flatnonzero(view.state.inside))
         error_px, polygons = np.zeros(len(tree.scene)), np.zeros(len(tree.scene))
         error_px[seen.ids] = tree.error_m[seen.ids] * view.camera.focal_px / seen.nearest_m

@@ -63,7 +63,7 @@ class HlodHysteresis:
     all_children: bool = False  # section 5.2: wait for children outside the frustum too
     target: float = 1.0  # share of the budget to aim at; the thesis aims at all of it
     time_rate: float = 0.2  # ours: how fast v_time follows a measurement; 0 switches the loop off
-    share_rate: float = 0.01  # ours: "gradually"; relative change of shareTime a frame
+    share_rate: float = 0.003  # ours: "gradually"; relative change of shareTime a frame
     margin: float = 0.1  # ours: "substantially" below or over the target
     lead_s: float = 0.1  # ours: "slightly adjusted" for the user's velocity
     _hierarchy: Hierarchy = field(init=False)
@@ -113,11 +113,12 @@ class HlodHysteresis:
         tree, loops = self._hierarchy, self._loops
         loops.learn(view)
         priority = self._priority(view)
-        refined, visited, refused = self._descend(view, priority)
-        ids, detail = tree.front(view, tree.close(view, refined))
-        self._list.update(visited, priority)
-        predicted_ms = loops.expect(float(self._units[ids].sum()), refused=refused)
-        work = Work(int(np.count_nonzero(visited)), self._list.comparisons)
+        found = self._descend(view, priority)
+        ids, detail = tree.front(view, tree.close(view, found.refined))
+        self._list.update(found.visited, priority)
+        units = float(self._units[ids].sum())
+        predicted_ms = loops.expect(units, found.pending, refused=found.refused)
+        work = Work(int(np.count_nonzero(found.visited)), self._list.comparisons)
         return Selection(ids, detail, work, predicted_ms=predicted_ms, wanted=self._list.ids)
 
     def _priority(self, view: View) -> FloatArray:
@@ -142,40 +143,61 @@ class HlodHysteresis:
         moved_m = np.subtract(view.camera.position_m, before.position_m)
         return view.camera.axes @ moved_m * (-self.lead_s / step_s)
 
-    def _descend(self, view: View, priority: FloatArray) -> tuple[BoolArray, BoolArray, bool]:
-        """Count on the way down; return nodes refined, nodes visited, and if any was refused."""
+    def _descend(self, view: View, priority: FloatArray) -> "_Descent":
+        """Count on the way down from the roots."""
         tree, scene = self._hierarchy, self._hierarchy.scene
         n, inside = len(scene), view.state.inside
         needed_ms = self._loops.ms_per_unit * self._units
         waits = tree.waits(view, for_all=self.all_children)
-        refined, visited = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
-        visited[tree.layers[0]] = True
+        found = _Descent(np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_))
+        found.visited[tree.layers[0]] = True
         slice_ms = np.zeros(n)
         whole = float(priority[view.ids].sum())
         slice_ms[view.ids] = self._loops.share_ms * priority[view.ids] / max(whole, 1e-300)
         active = np.zeros(n, dtype=np.bool_)
         active[view.ids] = True
-        refused = False
         for layer in tree.layers[1:]:
             family = layer[active[scene.parent[layer]]]
-            visited[family] = True
             siblings = family[inside[family]]
             parent = scene.parent[siblings]
             share_ms = slice_ms - np.where(scene.additive, needed_ms, 0.0)
             whole = np.bincount(parent, priority[siblings], minlength=n)[parent]
             slice_ms[siblings] = np.maximum(share_ms[parent], 0.0) * priority[siblings] / whole
-            self._count(siblings, slice_ms, needed_ms)
-            sign = np.bincount(parent, self._truncated(siblings), minlength=n)
-            refused = refused or bool((sign < 0).any())
+            urgency = self._count(siblings, slice_ms, needed_ms)
             above = np.unique(scene.parent[family])
-            go = above[((sign[above] >= 0) & ~waits[above]) | tree.empty[above]]
-            refined[go] = True
-            active[siblings] = refined[parent]
-        return refined, visited, refused
+            now = np.bincount(parent, np.trunc(self._counter[siblings] / self.switch), minlength=n)
+            later = np.bincount(parent, np.sign(urgency), minlength=n)
+            units = np.bincount(parent, self._units[siblings], minlength=n)
+            units = units - np.where(scene.additive, 0.0, self._units)
+            free = above[~waits[above]]
+            found.pending += float(((later >= 0.0) * units - (now >= 0.0) * units)[free].sum())
+            found.refused = found.refused or bool((later[free] < 0.0).any())
+            found.visited[family] = True
+            found.refined[above] = (now[above] >= 0.0) & ~waits[above] | tree.empty[above]
+            active[siblings] = found.refined[parent]
+        return found
 
-    def _count(self, nodes: IntArray, slice_ms: FloatArray, needed_ms: FloatArray) -> None:
+    def _count(self, nodes: IntArray, slice_ms: FloatArray, needed_ms: FloatArray) -> FloatArray:
+        """Add the urgency of nodes to their counters, and return it."""
         urgency = (slice_ms[nodes] - needed_ms[nodes]) / needed_ms[nodes]
         self._counter[nodes] = np.clip(self._counter[nodes] + urgency, -self.limit, self.limit)
+        return urgency
 
-    def _truncated(self, nodes: IntArray) -> FloatArray:
-        return np.trunc(self._counter[nodes] / self.switch)
+
+@dataclass(slots=True)
+class _Descent:
+    """What the way down from the roots found.
+
+    Attributes
+    ----------
+    refined, visited : (N,) bool
+    refused : bool
+        Whether a family in memory is short of time, and will be as long as slices stay.
+    pending : float
+        Units of cost that switches under way will add once counters have followed their urgency.
+    """
+
+    refined: BoolArray
+    visited: BoolArray
+    refused: bool = False
+    pending: float = 0.0

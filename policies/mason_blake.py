@@ -11,7 +11,7 @@ from .choices import require_costs
 from .hierarchy import Hierarchy, NodeCosts, gains
 from .protocol import Capabilities
 from .selection import Selection, Work
-from .tree_hull import Increments, tree_increments
+from .tree_hull import Increments, next_above, take_part, tree_increments
 from .view import View
 
 __all__ = ["MasonBlake"]
@@ -25,12 +25,12 @@ class MasonBlake:
     While the front costs more than the budget, the increment that brings least per cost is undone;
     then the one that brings most is taken, undoing worse ones if they are in its way, until it does
     not fit and nothing worse is left.  Increments are edges of the upper hull: refinements that pay
-    only together with deeper ones are one increment.  The result is held against the best single
-    refinement (with the refinements above it) and the better one is drawn.  Where refinements pay
-    less and less down the tree, it brings at least half of the optimum's gain over the roots: those
-    taken and the first that does not fit exceed the relaxed optimum.  Where a refinement pays only
-    through deeper ones no order by slope has such a bound.  Roots in view are always covered, over
-    budget if need be.
+    only together with deeper ones are one increment, and of the one that does not fit the part that
+    does is taken.  The result is held against the best single refinement (with those above it) and
+    the better one is drawn.  Where refinements pay less and less down the tree, it brings at least
+    half of the optimum's gain over the roots: those taken and the first that does not fit exceed
+    the relaxed optimum.  Where one pays only through several deeper ones no order by slope has such
+    a bound.  Roots in view are always covered, over budget if need be.
 
     Uses: the scene's cost model, projected area and importance of the leaves in view.
 
@@ -73,6 +73,13 @@ class MasonBlake:
         taken, steps = self._exchange(increments, base_ms)
         refined = item & taken[increments.owner] if len(taken) else item
         gain = float(increments.benefit[taken].sum())
+        misfit = np.flatnonzero(~taken & (increments.slope > 0.0))[:1]
+        members = np.flatnonzero(item & (increments.owner == misfit)) if len(misfit) else misfit
+        if len(members) > 1:
+            left = self._budget_ms - base_ms - float(increments.cost[taken].sum())
+            part, more_gain = take_part(next_above(tree, item), members, more_ms, more, left)
+            refined[part] = True
+            gain += more_gain
         single = int(np.where(item & fits, path, -np.inf).argmax())
         if item[single] and path[single] > gain:
             refined = _path_to(tree, single)

@@ -5,26 +5,24 @@ import math
 import numpy as np
 
 from ..models.arrays import FloatArray
-from ..models.camera import Camera
 from ..models.predictors import FRAMEBUFFER_PIXELS
 from ..models.scene import Scene
-from .fresh_times import FreshTimes
+from .reports import Reports
 from .view import View
 
 __all__ = ["TimeLoops"]
 
 _WIDEST = 16.0  # the roots' share stays within this factor of where it started
-_STILL = 1.0 / 16.0  # a step damped below this part of its rate is no step
 
 
 class TimeLoops:
     """What completed frames teach about time.
 
     `ms_per_unit` (the thesis' v_time) follows measured time, less the overhead, over the units
-    drawn.  `share_ms` (the roots' shareTime) rises while nodes were refused and the measured time
-    is below the target by the margin, and falls while it is over by the margin.  While the camera
-    stands still, each turn from rising to falling or back halves the step, so that a still view
-    comes to rest (ours: the thesis says only "gradually").
+    drawn.  `share_ms` (the roots' shareTime) rises while nodes are refused and the time is below
+    the target by the margin, and falls while it is over by the margin.  The time is the measured
+    one and what the switches under way will add to it (ours): counters take long to act on a new
+    share, and a loop that waited for them would overshoot and swing.
 
     Attributes
     ----------
@@ -32,19 +30,17 @@ class TimeLoops:
     """
 
     __slots__ = (
-        "_camera",
         "_expected",
         "_margin",
         "_overhead_ms",
+        "_pending",
         "_pixel_ms",
         "_refused",
+        "_reports",
         "_share_bounds_ms",
         "_share_rate",
-        "_step",
         "_target_ms",
         "_time_rate",
-        "_times",
-        "_turn",
         "_units",
         "ms_per_unit",
         "share_ms",
@@ -61,12 +57,10 @@ class TimeLoops:
         margin: float,
     ) -> None:
         self._target_ms, self._margin = target_ms, margin
-        self._time_rate, self._share_rate, self._step = time_rate, share_rate, share_rate
-        self._turn = 0
-        self._times = FreshTimes()
+        self._time_rate, self._share_rate = time_rate, share_rate
+        self._reports = Reports()
         self._units: list[float] = []
-        self._refused = False
-        self._camera: Camera | None = None
+        self._refused, self._pending = False, 0.0
         self._overhead_ms = self._pixel_ms = 0.0
         # Without a cost model the roots are taken to fill the target.
         self.ms_per_unit = target_ms / float(units[scene.roots].sum())
@@ -83,40 +77,30 @@ class TimeLoops:
 
     def learn(self, view: View) -> None:
         """Take the newest report, if there is one, before a frame is chosen."""
-        if self._camera is None:
+        if not self._units:
             self._overhead_ms += self._pixel_ms * view.camera.viewport_px
-        self._restart_if_moved(view.camera)
-        report = self._times.newest(view.completed.gpu_ms)
-        if report is None:
+        frames, times_ms = self._reports.new(view.completed.gpu_ms, self._target_ms)
+        if not len(frames):
             return
-        frame, time_ms = report
-        drawn = self._units[frame]
+        drawn, time_ms = self._units[int(frames[-1])], float(times_ms[-1])
         if drawn > 0.0 and time_ms > self._overhead_ms:
             sample = (time_ms - self._overhead_ms) / drawn
             self.ms_per_unit += self._time_rate * (sample - self.ms_per_unit)
+        time_ms += self.ms_per_unit * self._pending
         if time_ms > (1.0 + self._margin) * self._target_ms:
             self._move_share(-1)
         elif self._refused and time_ms < (1.0 - self._margin) * self._target_ms:
             self._move_share(1)
 
-    def expect(self, units: float, *, refused: bool) -> float:
-        """Note what a frame draws and if nodes were refused; return the time it should take."""
+    def expect(self, units: float, pending: float, *, refused: bool) -> float:
+        """Note the units of a frame, those of switches under way, and if nodes are refused.
+
+        Returns the time that the frame should take.
+        """
         self._units.append(units)
-        self._refused = refused
+        self._refused, self._pending = refused, pending
         return self._overhead_ms + self.ms_per_unit * units
 
-    def _restart_if_moved(self, camera: Camera) -> None:
-        before, self._camera = self._camera, camera
-        if before is not None and (
-            before.position_m != camera.position_m
-            or before.orientation_xyzw != camera.orientation_xyzw
-        ):
-            self._step, self._turn = self._share_rate, 0
-
     def _move_share(self, turn: int) -> None:
-        if turn == -self._turn:
-            self._step *= 0.5
-        self._turn = turn
-        if self._step > _STILL * self._share_rate:
-            share_ms = self.share_ms * math.pow(1.0 + self._step, turn)
-            self.share_ms = float(np.clip(share_ms, *self._share_bounds_ms))
+        share_ms = self.share_ms * math.pow(1.0 + self._share_rate, turn)
+        self.share_ms = float(np.clip(share_ms, *self._share_bounds_ms))

@@ -8,14 +8,16 @@ an optimum of the relaxation at its own cost (isotonic regression on a rooted tr
 machine job sequencing with treelike precedence ordering", SIAM J. Appl. Math. 23, 1972).
 """
 
+from collections import defaultdict
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from .hierarchy import Hierarchy
 
-__all__ = ["Increments", "tree_increments"]
+__all__ = ["Increments", "next_above", "take_part", "tree_increments"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ def tree_increments(
     """
     nodes = np.arange(len(cost))
     depth = hierarchy.tree.depth
-    up = _next_above(hierarchy, item)
+    up = next_above(hierarchy, item)
     cost, benefit = np.where(item, cost, 0.0), np.where(item, benefit, 0.0)
     head, block = item.copy(), nodes.copy()
     slope = _slopes(cost, benefit)
@@ -69,8 +71,8 @@ def tree_increments(
     return _sorted(item, head, block, depth, cost, benefit, slope)
 
 
-def _next_above(hierarchy: Hierarchy, item: BoolArray) -> IntArray:
-    """Return each node's parent, empty nodes passed over; -1 if there is none."""
+def next_above(hierarchy: Hierarchy, item: BoolArray) -> IntArray:
+    """Return each node's parent, empty nodes passed over; -1 if there is none, (N,)."""
     up = hierarchy.scene.parent.astype(np.intp)
     while (passed := (up >= 0) & hierarchy.empty[up] & ~item[up]).any():
         up[passed] = hierarchy.scene.parent[up[passed]]
@@ -100,3 +102,35 @@ def _sorted(
     position[heads] = np.arange(len(heads))
     owner = np.where(item, position[block], -1)
     return Increments(cost[heads], benefit[heads], slope[heads], owner)
+
+
+def take_part(
+    up: IntArray, members: IntArray, cost: FloatArray, benefit: FloatArray, room: float
+) -> tuple[list[int], float]:
+    """Return nodes of an increment that does not fit as a whole, and what they bring.
+
+    Its `members` are taken by falling slope, each behind the one above it, passing over those that
+    do not fit; of what was taken so the prefix that brings most is returned.  `up` is the result
+    of `next_above`.
+    """
+    inner = set(members.tolist())
+    below: defaultdict[int, list[int]] = defaultdict(list)
+    for node in members.tolist():
+        below[int(up[node]) if int(up[node]) in inner else -1].append(node)
+    slope = _slopes(cost, benefit)
+    heap = [(-float(slope[node]), node) for node in below[-1]]
+    heapify(heap)
+    taken: list[int] = []
+    gain, best, count = 0.0, 0.0, 0
+    while heap:
+        _, node = heappop(heap)
+        if cost[node] > room:
+            continue
+        room -= float(cost[node])
+        gain += float(benefit[node])
+        taken.append(node)
+        if gain > best:
+            best, count = gain, len(taken)
+        for child in below[node]:
+            heappush(heap, (-float(slope[child]), child))
+    return taken[:count], best

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.arrays import FloatArray
 from .design import Design
@@ -66,10 +67,10 @@ def examine(design: Design, scaled: Sequence[float] | FloatArray) -> Collinearit
     return Collinearity(float(values[0] / values[-1]), tuple(groups))
 
 
-def _group(design: Design, members: FloatArray, index: float) -> Collinear:
-    raw = design.columns[members] * design.unit[members, np.newaxis]
+def _group(design: Design, members: NDArray[np.intp], index: float) -> Collinear:
+    raw: FloatArray = design.columns[members] * design.unit[members, np.newaxis]
     return Collinear(
-        tuple(design.names[member] for member in members),
+        tuple(design.names[member] for member in members.tolist()),
         raw @ raw[0] / (raw[0] @ raw[0]),
         float(index),
     )

@@ -86,11 +86,17 @@ def design_of(sample: Sample, terms: Sequence[Term], unit: FloatArray | None = N
     columns = np.stack([*additive.values(), *roofline.values()])
     names = (*additive, *roofline)
     if unit is None:
-        unit = columns.mean(axis=1)
-        for name, column, mean in zip(names[1:], columns[1:], unit[1:], strict=True):
-            if np.ptp(column) <= _VARIES * mean:
-                raise InputError(
-                    f"expected predictors that vary, got {name}, which is {column[0]:g} in all "
-                    "frames: it cannot be told from the base; leave it out"
-                )
+        unit = _means(names, columns)
     return Design(names, unit, columns / unit[:, np.newaxis], len(additive))
+
+
+def _means(names: Sequence[str], columns: FloatArray) -> FloatArray:
+    """Return the mean of each column, base first; raises InputError if another is constant."""
+    means: FloatArray = columns.mean(axis=1)
+    for name, column, mean in zip(names[1:], columns[1:], means[1:], strict=True):
+        if np.ptp(column) <= _VARIES * mean:
+            raise InputError(
+                f"expected predictors that vary, got {name}, which is {column[0]:g} in all "
+                "frames: it cannot be told from the base; leave it out"
+            )
+    return means

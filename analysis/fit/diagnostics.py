@@ -65,11 +65,10 @@ def split_r_hat(samples: FloatArray) -> FloatArray:
     al., Bayesian Data Analysis, 3rd ed., section 11.4).
     """
     half = len(samples) // 2
-    groups = np.array_split(np.arange(samples.shape[1]), _GROUPS)
     chains = [
-        part[:, group].reshape(-1, samples.shape[2])
+        part[:, group::_GROUPS].reshape(-1, samples.shape[2])
         for part in (samples[:half], samples[half : 2 * half])
-        for group in groups
+        for group in range(_GROUPS)
     ]
     count = min(map(len, chains))
     stacked = np.stack([chain[:count] for chain in chains])

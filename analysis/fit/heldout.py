@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...models.arrays import BoolArray, FloatArray
@@ -51,14 +52,13 @@ class HeldOut:
     log_score: float
 
 
-def block_numbers(series: FloatArray | Sequence[int], block: int = BLOCK) -> FloatArray:
+def block_numbers(series: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return for each frame which block of its log it is in; no block has frames of two logs."""
     numbers = np.zeros(len(series), dtype=np.int64)
     start = 0
-    values = np.asarray(series)
-    for log in np.unique(values):
-        where = np.flatnonzero(values == log)
-        size = max(1, min(block, len(where) // 4))
+    for log in np.unique(series):
+        where = np.flatnonzero(series == log)
+        size = max(1, min(BLOCK, len(where) // 4))
         numbers[where] = start + np.arange(len(where)) // size
         start = int(numbers[where].max()) + 1
     return numbers

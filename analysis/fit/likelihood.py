@@ -5,7 +5,7 @@ time, and for Student's t the share of the scale that grows with the mean and 1/
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -73,7 +73,8 @@ class GaussianLikelihood:
         columns = self.design.columns.T
         solution = np.linalg.lstsq(columns, self.time_ms)[0]
         residual = self.time_ms - columns @ solution
-        put(self, "_triangle", np.linalg.qr(columns, mode="r").T.copy())
+        triangle: Any = np.linalg.qr(columns, mode="r")
+        put(self, "_triangle", np.ascontiguousarray(triangle.T, dtype=np.float64))
         put(self, "_solution", solution)
         put(self, "_least", float(residual @ residual))
 

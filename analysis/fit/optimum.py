@@ -65,7 +65,7 @@ def highest(posterior: LogPosterior, given: list[FloatArray]) -> FloatArray:
         def loss(point: FloatArray, size: FloatArray = size) -> float:
             return -float(posterior((point * size)[np.newaxis])[0])
 
-        bounds = np.stack([low / size, high / size], axis=1)
+        bounds: Any = np.stack([low / size, high / size], axis=1)
         answer: Any = minimize(loss, start / size, method="L-BFGS-B", bounds=bounds)
         if -answer.fun > best_value:
             best, best_value = np.asarray(answer.x, dtype=np.float64) * size, -float(answer.fun)
@@ -78,25 +78,33 @@ def expand(density: LogDensity, center: FloatArray, low: FloatArray, high: Float
     Near a bound the centre moves inside by a step.
     """
     size = np.maximum(np.abs(center), 1e-3 * np.abs(center).max())
-    step = 1e-3 * size
-    for _ in range(2):  # which step suits the curvature needs a look at it
-        step = np.minimum(step, 0.1 * (high - low))
-        middle = np.clip(center, low + 1.01 * step, high - 1.01 * step)
-        around = np.diag(step)
-        values = density(np.vstack([middle, middle + around, middle - around]))
-        up, down = values[1:].reshape(2, -1)
-        curvature = (2.0 * values[0] - up - down) / step**2
-        step = np.where(curvature > 0.0, 1.0 / np.sqrt(np.abs(curvature) + 1e-300), step)
-        step = np.minimum(step, 100.0 * size)
-    step = np.diag(around)
+    step = np.minimum(1e-3 * size, 0.1 * (high - low))
+    middle, value, up, down = _along_axes(density, center, step, low, high)
+    curvature = (2.0 * value - up - down) / step**2
+    deviation = 1.0 / np.sqrt(np.maximum(curvature, 1e-300))
+    step = np.where(curvature > 0.0, np.minimum(deviation, 100.0 * size), step)
+    step = np.minimum(step, 0.1 * (high - low))
+    middle, value, up, down = _along_axes(density, center, step, low, high)
+    sums: FloatArray = up + down - 2.0 * value
     i, j = np.triu_indices(len(center), 1)
-    both = around[i] + around[j]
+    axes = np.diag(step)
+    both: FloatArray = axes[i] + axes[j]
     plus, minus = density(np.vstack([middle + both, middle - both])).reshape(2, -1)
-    sums = up + down - 2.0 * values[0]
-    hessian = np.diag(sums / step**2)
-    cross = plus + minus - 2.0 * values[0] - sums[i] - sums[j]
+    hessian: FloatArray = np.diag(sums / step**2)
+    cross: FloatArray = plus + minus - 2.0 * value - sums[i] - sums[j]
     hessian[i, j] = hessian[j, i] = cross / (2.0 * step[i] * step[j])
-    return Expansion(middle, float(values[0]), (up - down) / (2.0 * step), hessian)
+    return Expansion(middle, value, (up - down) / (2.0 * step), hessian)
+
+
+def _along_axes(
+    density: LogDensity, center: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, float, FloatArray, FloatArray]:
+    """Return a point inside the bounds, and a density there and a step along each axis."""
+    middle = np.clip(center, low + 1.01 * step, high - 1.01 * step)
+    axes = np.diag(step)
+    values = density(np.vstack([middle, middle + axes, middle - axes]))
+    width = len(center)
+    return middle, float(values[0]), values[1 : width + 1], values[width + 1 :]
 
 
 def quadratic(posterior: LogPosterior, start: FloatArray) -> LogPosterior:

@@ -54,19 +54,24 @@ class Priors:
         """Return the priors in words, with their reasons."""
         if self.kind == "flat":
             return ("flat on coefficients >= 0 and on the logarithm of the scale",)
-        said = [
+        coefficients = (
             f"each coefficient >= 0, half-normal: at its column's mean it costs up to about "
             f"{self.coefficient_sd_ms:.4g} ms, twice the mean time, since no part of a frame "
-            "costs more than the frame",
+            "costs more than the frame"
+        )
+        scale = (
             f"scale of the noise half-normal, {self.mean_ms:.4g} ms: frames do not scatter by "
-            "more than they take",
-        ]
-        if model == "student-t":
-            said += [
-                "share of the scale that grows with the mean uniform on 0 to 1: constant and "
-                "proportional scatter are equally plausible",
-                f"degrees of freedom gamma(2, {_DOF_RATE:g}) on {DOF_LOW:g} to {DOF_HIGH:g}: "
-                "from very heavy tails to nearly Gaussian (Juárez and Steel, J. Business & "
-                "Economic Statistics 28, 2010)",
-            ]
-        return tuple(said)
+            "more than they take"
+        )
+        if model == "gaussian":
+            return coefficients, scale
+        growth = (
+            "share of the scale that grows with the mean uniform on 0 to 1: constant and "
+            "proportional scatter are equally plausible"
+        )
+        dof = (
+            f"degrees of freedom gamma(2, {_DOF_RATE:g}) on {DOF_LOW:g} to {DOF_HIGH:g}: from very "
+            "heavy tails to nearly Gaussian (Juárez and Steel, J. Business & Economic Statistics "
+            "28, 2010)"
+        )
+        return coefficients, scale, growth, dof

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...models.arrays import BoolArray, FloatArray
-from ...traces.renderlog import Rejection, RenderLog, TimeName, measurable
+from ...traces.renderlog import FIRST_FRAMES, Rejection, RenderLog, TimeName, measurable
 
 __all__ = ["Sample", "gather"]
 
@@ -43,9 +43,15 @@ class Sample:
 
 
 def gather(
-    logs: Sequence[RenderLog], names: Sequence[str], target: TimeName, first_frames: int
+    logs: Sequence[RenderLog], names: Sequence[str], target: TimeName, first_frames: int | None
 ) -> tuple[Sample, tuple[Rejection, ...]]:
     """Return the frames of all logs that measure `target`, and the others by reason.
+
+    Parameters
+    ----------
+    first_frames
+        Frames at the start of each log that are left out; None for `FIRST_FRAMES`, and none of a
+        log whose header says ``rows: averages``.
 
     Raises
     ------
@@ -55,7 +61,8 @@ def gather(
     parts: list[tuple[FloatArray, FloatArray]] = []
     counts: dict[str, int] = {}
     for log in logs:
-        keep, rejections = measurable(log, target, names, first_frames=first_frames)
+        first = _first_frames(log) if first_frames is None else first_frames
+        keep, rejections = measurable(log, target, names, first_frames=first)
         parts.append((log.columns(names)[keep], log.time(target)[keep]))
         for rejection in rejections:
             counts[rejection.reason] = counts.get(rejection.reason, 0) + rejection.count
@@ -73,3 +80,8 @@ def gather(
         np.repeat(np.arange(len(logs)), sizes),
     )
     return sample, rejected
+
+
+def _first_frames(log: RenderLog) -> int:
+    averaged = dict(log.header).get("rows", "").startswith("averages")
+    return 0 if averaged else FIRST_FRAMES

@@ -128,7 +128,8 @@ def sample(
             wanted = _wanted(backend)
         if progress is not None:
             progress(steps, min(wanted, options.max_steps))
-    chain = np.asarray(backend.get_chain(discard=int(_BURN_IN * steps)), dtype=np.float64)
+    whole: Any = backend.get_chain(discard=int(_BURN_IN * steps))
+    chain = np.asarray(whole, dtype=np.float64)
     acceptance = float(np.mean(backend.accepted)) / steps
     return Chain(posterior.likelihood.names, chain, acceptance, _tau(chain))
 
@@ -150,7 +151,8 @@ def _wanted(backend: Any) -> int:
     """
     wanted = 2 * _CHUNK
     while backend.iteration >= wanted:
-        chain = np.asarray(backend.get_chain())[int(_BURN_IN * wanted) : wanted]
+        whole: Any = backend.get_chain()
+        chain = np.asarray(whole[int(_BURN_IN * wanted) : wanted], dtype=np.float64)
         needed = LONG_ENOUGH * float(_tau(chain).max()) / (1.0 - _BURN_IN)
         if wanted >= needed:
             break
@@ -159,6 +161,10 @@ def _wanted(backend: Any) -> int:
 
 
 def _tau(chain: FloatArray) -> FloatArray:
-    """Return integrated autocorrelation times in steps, (D,)."""
-    tau: Any = emcee.autocorr.integrated_time(chain, tol=0)
-    return np.asarray(tau, dtype=np.float64)
+    """Return integrated autocorrelation times in steps, (D,).
+
+    Where a walker has not moved at all, nothing is known, and it is the length of the chain.
+    """
+    with np.errstate(invalid="ignore"):
+        tau: Any = emcee.autocorr.integrated_time(chain, tol=0)
+    return np.nan_to_num(np.asarray(tau, dtype=np.float64), nan=float(len(chain)))

@@ -1,0 +1,217 @@
+"""Fit a cost model to render logs: everything that `lodbench fit` finds out."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import FloatArray
+from ...traces.log_checks import Finding, check_log
+from ...traces.renderlog import Rejection, RenderLog, TimeName
+from .choose_terms import Candidate, candidate_predictors, choose_terms
+from .collinearity import Collinearity, examine
+from .diagnostics import Diagnostics, diagnose
+from .estimate import Estimate, Model, estimate
+from .heldout import SPLITS, HeldOut, hold_out, judge
+from .predictive import Check, check_predictive
+from .sample import Sample, gather
+from .sampler import Progress, SamplerOptions
+from .sensitivity import Sensitivity, sensitivity
+from .terms import Term, parse_terms, predictors_of
+
+__all__ = ["Fit", "FitOptions", "Source", "fit_logs", "target_of"]
+
+AUTO = "auto"
+NO_SPLIT = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class FitOptions:
+    """What to fit and how.
+
+    Attributes
+    ----------
+    terms : terms as `terms.parse_terms` reads them, or "auto" for the set with the best score
+    model : "student-t", or "gaussian" with a constant scale
+    heldout : one of `heldout.SPLITS`, "auto" or "none"
+    first_frames : frames at the start of each log that are left out, as `sample.gather` has it
+    """
+
+    terms: str = AUTO
+    model: Model = "student-t"
+    heldout: str = AUTO
+    first_frames: int | None = None
+    sampler: SamplerOptions = field(default_factory=SamplerOptions)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A log that was fitted, and the SHA-256 of its file."""
+
+    log: RenderLog
+    sha256: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """What was found.
+
+    Attributes
+    ----------
+    rejected : frames that could not be measurements, by reason
+    findings : what to beware of in the logs
+    candidates : sets of terms and their scores, if terms were chosen
+    coefficients : (S, K) float64, all samples, ms per unit
+    combinations : samples of the informed combination of each collinear group, (S,) each
+    heldout : error on frames that were held out, if any were
+    transfer : errors on other logs
+    """
+
+    sources: tuple[Source, ...]
+    target: TimeName
+    options: FitOptions
+    rejected: tuple[Rejection, ...]
+    findings: tuple[Finding, ...]
+    candidates: tuple[Candidate, ...]
+    estimate: Estimate
+    diagnostics: Diagnostics
+    collinearity: Collinearity
+    sensitivity: tuple[Sensitivity, ...]
+    checks: tuple[Check, ...]
+    heldout: HeldOut | None
+    transfer: tuple[HeldOut, ...]
+    coefficients: FloatArray
+    combinations: tuple[FloatArray, ...]
+
+
+def fit_logs(
+    sources: Sequence[Source],
+    target: TimeName,
+    options: FitOptions,
+    *,
+    transfer: Sequence[RenderLog] = (),
+    resume: Path | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit the logs together.
+
+    Parameters
+    ----------
+    transfer
+        Other logs, to be predicted.
+    resume
+        File that keeps the chain, so that an interrupted run goes on.
+
+    Raises
+    ------
+    InputError
+        If a log cannot support the fit: its times carry no cost, it lacks a predictor, none
+        varies, or frames are too few.
+    """
+    logs = [source.log for source in sources]
+    if options.heldout not in (*SPLITS, AUTO, NO_SPLIT):
+        known = ", ".join((*SPLITS, AUTO, NO_SPLIT))
+        raise InputError(f"--heldout: expected one of {known}, got {options.heldout}")
+    findings = _accepted(logs, target)
+    terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
+    identity = _identity(sample, terms, options)
+    found = estimate(
+        sample,
+        terms,
+        options.model,
+        options.sampler,
+        resume=None if resume is None else (resume, identity),
+        progress=progress,
+    )
+    held = None
+    if options.heldout != NO_SPLIT:
+        held = hold_out(sample, terms, options.model, options.sampler, options.heldout)
+    width = len(found.design.names)
+    scaled = found.chain.flat[:, :width]
+    coefficients = found.coefficients_ms
+    collinearity = examine(found.design, scaled.mean(axis=0))
+    rng = np.random.default_rng(options.sampler.seed)
+    return Fit(
+        tuple(sources),
+        target,
+        options,
+        rejected,
+        findings,
+        candidates,
+        found,
+        diagnose(found.chain),
+        collinearity,
+        sensitivity(scaled, found.posterior.priors),
+        check_predictive(found.draws, found.design, sample.time_ms, rng),
+        held,
+        tuple(_transfer(found, log, target, options) for log in transfer),
+        coefficients,
+        tuple(
+            coefficients[:, [found.design.names.index(name) for name in group.names]] @ group.ratio
+            for group in collinearity.groups
+        ),
+    )
+
+
+def target_of(log: RenderLog) -> TimeName:
+    """Return the time to fit where none is asked for: the GPU's, or the frame's if that is unfit.
+
+    Raises
+    ------
+    InputError
+        If neither carries cost, with the reason of each.
+    """
+    refused = {finding.column: finding.message for finding in check_log(log) if finding.refuse}
+    reasons: list[str] = []
+    names: tuple[TimeName, ...] = ("gpu_ms", "frame_ms")
+    for name in names:
+        if name in log.times and name not in refused:
+            return name
+        if name in refused:
+            reasons.append(refused[name])
+    why = "; ".join(reasons) or f"got a log with {', '.join(log.times)}; name it with --target"
+    raise InputError(f"{log.name}: expected a gpu_ms or frame_ms that carries cost; {why}")
+
+
+def _accepted(logs: Sequence[RenderLog], target: TimeName) -> tuple[Finding, ...]:
+    """Return what to beware of; raises InputError if a log cannot be fitted."""
+    kept: list[Finding] = []
+    for log in logs:
+        log.time(target)
+        for finding in check_log(log):
+            if finding.column not in (target, ""):
+                continue
+            if finding.refuse:
+                raise InputError(
+                    f"{log.name}: expected a {target} that carries cost; {finding.message}"
+                )
+            kept.append(finding)
+    return tuple(kept)
+
+
+def _terms_and_frames(
+    logs: list[RenderLog], target: TimeName, options: FitOptions
+) -> tuple[tuple[Term, ...], Sample, tuple[Rejection, ...], tuple[Candidate, ...]]:
+    if options.terms != AUTO:
+        terms = parse_terms(options.terms)
+        return terms, *gather(logs, predictors_of(terms), target, options.first_frames), ()
+    names = candidate_predictors(logs, target)
+    sample, _ = gather(logs, names, target, options.first_frames)
+    terms, candidates = choose_terms(sample)
+    return terms, *gather(logs, predictors_of(terms), target, options.first_frames), candidates
+
+
+def _identity(sample: Sample, terms: Sequence[Term], options: FitOptions) -> str:
+    """Return what a chain is of, so that a chain of something else is not gone on with."""
+    digest = hashlib.sha256(sample.predictors.tobytes() + sample.time_ms.tobytes())
+    listed = ",".join(map(str, terms))
+    sampler = options.sampler
+    return f"{digest.hexdigest()} {listed} {options.model} {sampler.walkers} {sampler.seed}"
+
+
+def _transfer(found: Estimate, log: RenderLog, target: TimeName, options: FitOptions) -> HeldOut:
+    sample, _ = gather([log], predictors_of(found.terms), target, options.first_frames)
+    return judge(found, sample, log.name)

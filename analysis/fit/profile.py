@@ -1,0 +1,141 @@
+"""A hardware profile from a fit: what `compare --hardware` replays."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import FloatArray
+from ...models.cost import CostModel, CpuCostModel
+from ...models.hardware import Display, HardwareProfile, Posterior, Provenance
+from ...models.predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
+from ...models.residual import Residual
+from ...traces.renderlog import TimeName
+from .design import BASE, ROOFLINE
+from .fit import Fit
+from .noise import residual_model
+from .record import relative_residuals
+from .terms import Term
+
+__all__ = ["profile_of", "require_for_profile"]
+
+_DRAWS = 64
+_DIGITS = 6  # fewer would blur the sum of coefficients that are only known together
+
+
+def require_for_profile(terms: Sequence[Term], target: TimeName) -> None:
+    """Raise InputError if a profile, and so the simulator, has no place for a term."""
+    linear = CPU_PREDICTORS if target == "cpu_ms" else GPU_PREDICTORS
+    for term in terms:
+        geometry, pixels = term.predictors[:-1], term.predictors[-1]
+        if term.kind == "roofline" and target != "cpu_ms":
+            good = set(geometry) <= set(LEVEL_PREDICTORS) and pixels == "shaded_samples"
+            wanted = f"max(…,shaded_samples) over {', '.join(LEVEL_PREDICTORS)}"
+        else:
+            good = term.kind == "linear" and pixels in linear
+            wanted = f"single predictors among {', '.join(linear)}"
+        if not good:
+            raise InputError(
+                f"--out: expected terms that a profile of {target} can hold, {wanted}, got {term}; "
+                "leave it out, or leave --out out"
+            )
+
+
+def profile_of(
+    fit: Fit, name: str, *, date: str = "", onto: HardwareProfile | None = None
+) -> HardwareProfile:
+    """Return the profile of a fitted log.
+
+    Coefficients are posterior means, and the draws are thinned samples.  A fitted ``frame_ms`` or
+    ``gpu_ms`` becomes cost of the GPU, a ``cpu_ms`` cost of the CPU.  What the log does not tell is
+    that of `onto`; without one, the other processor costs nothing, which means "not measured", and
+    the display, memory and disk are the defaults.
+
+    Raises
+    ------
+    InputError
+        As `require_for_profile`.
+    """
+    require_for_profile(fit.estimate.terms, fit.target)
+    series = relative_residuals(fit)
+    kind = "student-t" if fit.options.model == "student-t" else "gaussian"
+    residual = residual_model(series, kind)
+    before = onto or HardwareProfile(
+        name, Provenance(""), CostModel.of(0.0, {}), CpuCostModel.of(0.0, {}), display=_display(fit)
+    )
+    before = replace(before, name=name, provenance=_provenance(fit, date, onto))
+    mean = [_rounded(value) for value in fit.coefficients.mean(axis=0).tolist()]
+    coefficients = dict(zip(fit.estimate.design.names, mean, strict=True))
+    base = coefficients.pop(BASE)
+    if fit.target == "cpu_ms":
+        return replace(before, cpu=CpuCostModel.of(base, coefficients), cpu_residual=residual)
+    linear = {key: value for key, value in coefficients.items() if not key.startswith(ROOFLINE)}
+    roofline = {
+        key.removeprefix(ROOFLINE): value
+        for key, value in coefficients.items()
+        if key.startswith(ROOFLINE)
+    }
+    return replace(
+        before,
+        gpu=CostModel.of(base, linear, roofline),
+        gpu_residual=residual,
+        posterior=_posterior(fit, residual),
+        frames_in_flight=1 if fit.target == "frame_ms" else before.frames_in_flight,
+    )
+
+
+def _posterior(fit: Fit, residual: Residual) -> Posterior:
+    """Return thinned samples as draws; a draw's noise is larger as its likelihood's scale is."""
+    found = fit.estimate
+    names, draws = found.design.names, found.chain.thinned(_DRAWS)
+    slopes = draws[:, : len(names)] / found.design.unit
+    scale: FloatArray = np.exp(draws[:, found.chain.names.index("log_scale")])
+    mean_scale = float(np.exp(found.chain.flat[:, found.chain.names.index("log_scale")]).mean())
+    linear, roofline = np.zeros((2, len(draws), len(GPU_PREDICTORS)))
+    for place, name in enumerate(names[1:], 1):
+        into = roofline if name.startswith(ROOFLINE) else linear
+        into[:, GPU_PREDICTORS.index(name.removeprefix(ROOFLINE))] = _all_rounded(slopes[:, place])
+    return Posterior(
+        _all_rounded(slopes[:, 0]),
+        linear,
+        _all_rounded(residual.scale * scale / mean_scale),
+        None if found.design.linear else roofline,
+    )
+
+
+def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance:
+    found, header = fit.estimate, dict(fit.sources[0].log.header)
+    files = [
+        source.log.name + (f" (sha256 {source.sha256[:12]})" if source.sha256 else "")
+        for source in fit.sources
+    ]
+    rest = f"; the rest is that of {onto.name}" if onto else ""
+    method = (
+        f"emcee: posterior means of {fit.target} on {', '.join(map(str, found.terms))}, "
+        f"{fit.options.model}, {len(found.sample)} frames worth "
+        f"{found.posterior.worth * len(found.sample):.0f} independent ones{rest}"
+    )
+    return Provenance(
+        source="; ".join(files),
+        renderer=header.get("renderer", header.get("gpu", "")),
+        date=date or header.get("date", ""),
+        method=method,
+        assumed=onto is not None and onto.provenance.assumed,
+    )
+
+
+def _display(fit: Fit) -> Display:
+    resolution = dict(fit.sources[0].log.header).get("resolution", "")
+    width, _, height = resolution.partition("x")
+    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+        return Display()
+    return Display(width_px=int(width), height_px=int(height))
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _all_rounded(values: FloatArray) -> FloatArray:
+    return np.array([_rounded(value) for value in values.tolist()])
