@@ -1,6 +1,7 @@
 """Camera traces by name or by file, placed into the scene that they are replayed in."""
 
 import difflib
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -9,7 +10,7 @@ from ..models.extent import scene_extent
 from ..models.scene import Scene
 from ..traces.camera import CameraTrace
 from ..traces.generate import KINDS, generate
-from ..traces.place import Placement, fit_into, place
+from ..traces.place import Placement, fit_placement, place
 from ..traces.read import read_trace, split_spec
 from ..traces.tour import EYE_M, tour
 
@@ -19,11 +20,16 @@ BUNDLED_TRACE = "tour"
 GENERATED_S = 30.0
 """Length of a trace that is named by its kind of movement."""
 
-Placing = Literal["fit", "center", "none"]
-"""How the trace of a file is put into a scene: scaled to fill it, moved only, or left alone."""
+Placing = Literal["shrink", "fit", "center", "none"]
+"""How the trace of a file is put into a scene.
+
+``shrink`` moves it to the middle and scales it down if it is larger than the scene, but never up,
+since a scale multiplies speeds too; ``fit`` scales it to fill the scene; ``center`` only moves it;
+``none`` leaves it alone.
+"""
 
 
-def load_trace(spec: str, scene: Scene, placing: str = "fit") -> CameraTrace:
+def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
     Raises
@@ -48,11 +54,16 @@ def load_trace(spec: str, scene: Scene, placing: str = "fit") -> CameraTrace:
     trace = read_trace(spec)
     if placing == "none":
         return trace
-    if placing == "fit":
-        return fit_into(trace, center_m=ground, extent_m=plan, eye_height_m=EYE_M)
-    low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
-    x, y = ground[:2] - 0.5 * (low + high)[:2]
-    return place(trace, Placement(offset_m=(float(x), float(y), ground[2] + EYE_M - float(low[2]))))
+    placement = fit_placement(trace, center_m=ground, extent_m=plan, eye_height_m=EYE_M)
+    if placing == "center" or (placing == "shrink" and placement.scale > 1.0):
+        low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
+        x, y = ground[:2] - 0.5 * (low + high)[:2]
+        z = ground[2] + EYE_M - float(low[2])
+        placement = Placement(offset_m=(float(x), float(y), z))
+    placed = place(trace, placement)
+    if placement.scale == 1.0:
+        return placed
+    return replace(placed, name=f"{trace.name} at scale {placement.scale:.3g}")
 
 
 def _names_a_file(spec: str) -> bool:

@@ -69,8 +69,11 @@ def compare(
     resamples: Annotated[int, typer.Option(help="Bootstrap resamples.")] = 200,
     place: Annotated[
         str,
-        typer.Option(help="How a trace's file is put into the scene: fit (scaled), center, none."),
-    ] = "fit",
+        typer.Option(
+            help="How a trace's file is put into the scene: shrink (centred, scaled down if "
+            "larger), fit (scaled to fill it), center or none."
+        ),
+    ] = "shrink",
     display: Annotated[
         Text, typer.Option(help="immediate, vsync, mailbox or vrr; else the profile's.")
     ] = None,
@@ -98,7 +101,7 @@ def compare(
     from ..analysis.output import check_target, write_results
     from ..models.profile_catalog import load_hardware
     from ..models.scene_catalog import load_scene
-    from ..policies.registry import REGISTERED, parse_policy
+    from ..policies.registry import default_policies, parse_policy
     from ..sim.replay import ReplayOptions
 
     if out is not None:
@@ -107,7 +110,7 @@ def compare(
     loaded = load_scene(scene)
     with _progress_bar() as progress:
         comparison, logs = analysis.compare(
-            [parse_policy(text) for text in policy or REGISTERED],
+            [parse_policy(text) for text in policy or default_policies()],
             loaded,
             load_trace(trace, loaded, place),
             profile,

@@ -21,7 +21,14 @@ import msgspec
 from ..errors import InputError
 from .protocol import Policy
 
-__all__ = ["REGISTERED", "Parameter", "PolicySpec", "parameters", "parse_policy"]
+__all__ = [
+    "REGISTERED",
+    "Parameter",
+    "PolicySpec",
+    "default_policies",
+    "parameters",
+    "parse_policy",
+]
 
 REGISTERED = {
     "full": "full:Full",
@@ -50,6 +57,9 @@ REGISTERED = {
     "predictive": "predictive:Predictive",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
+
+_ON_REQUEST = ("gobbetti-custom", "predictive")
+"""Policies that run when named: by default they are another policy, solved slowly or wrapped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +102,11 @@ class PolicySpec:
             raise
         except Exception as error:  # a user's class may raise anything
             raise InputError(f"policy {self.text}: {type(error).__name__}: {error}") from error
+
+
+def default_policies() -> tuple[str, ...]:
+    """Return the names of the policies that a comparison runs when none is named."""
+    return tuple(name for name in REGISTERED if name not in _ON_REQUEST)
 
 
 def parameters(cls: type[Any]) -> list[Parameter]:

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InputError, PolicyError
 from ..models.arrays import BoolArray, FloatArray
 from ..models.camera import Camera
+from ..models.frustum import Culler
 from ..models.hardware import HardwareProfile
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
@@ -23,7 +24,6 @@ from .extraction import Extraction, IndexSets
 from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from .fronts import Fronts
-from .frustum import Culler
 from .loader import find_not_resident, make_memory
 from .measure import FrameNoise, FrameTimer
 from .pipeline import Pipeline
@@ -33,6 +33,8 @@ __all__ = ["ReplayOptions", "replay"]
 
 _NS_PER_MS = 1e6
 _MAX_FRAMES = 10_000_000
+_PACE_FRAMES = 10_000
+_LEAST_FRAME_NS = 1_000  # a million frames a second: no machine, but a profile without a base cost
 _DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
 
 
@@ -169,6 +171,7 @@ class _Source:
         self._previous_camera: Camera | None = None
         self._previous_centers_m: FloatArray | None = None
         self._previous_s = 0.0
+        self._pace_ns = 0
         try:
             policy.reset(self._scene, options.budget_ms)
         except Exception as error:
@@ -184,6 +187,8 @@ class _Source:
         if frame == self._options.frames or (self._options.frames is None and self._over(time_ns)):
             self._memory.stop()
             return None
+        if frame % _PACE_FRAMES == 0:
+            self._check_pace(frame, time_ns)
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
         centers_m = self._centers(time_s)
@@ -214,6 +219,16 @@ class _Source:
         costs_ns = self._record(view, selection, gpu_factor)
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
+
+    def _check_pace(self, frame: int, time_ns: int) -> None:
+        """Refuse a machine on which frames take no time: the end of the trace would never come."""
+        if frame and time_ns - self._pace_ns < _PACE_FRAMES * _LEAST_FRAME_NS:
+            raise InputError(
+                f"hardware {self._hardware.name}: expected frames that take time, got "
+                f"{_PACE_FRAMES} in {(time_ns - self._pace_ns) * 1e-6:.3g} ms; give the profile a "
+                "base cost, or limit the number of frames"
+            )
+        self._pace_ns = time_ns
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns

@@ -38,11 +38,27 @@ def test_named_traces_stay_in_the_scene(name: str, small_scene: Scene) -> None:
 def test_file_is_scaled_to_the_scene(small_scene: Scene, walked: Path) -> None:
     """A path from a file is as long as the scene in one direction, and at eye height."""
     middle, size = scene_extent(small_scene)
-    trace = load_trace(str(walked), small_scene)
+    trace = load_trace(str(walked), small_scene, "fit")
     low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
     assert 0.5 * (low + high)[:2] == pytest.approx(middle[:2])
     assert max((high - low)[:2] / size[:2]) == pytest.approx(1.0)
     assert low[2] == pytest.approx(middle[2] - 0.5 * size[2] + 1.65)
+
+
+def test_small_path_is_not_blown_up_and_large_one_is_shrunk(
+    small_scene: Scene, walked: Path, tmp_path: Path
+) -> None:
+    """By default a path keeps its metres, and its speed, unless it is larger than the scene."""
+    _, size = scene_extent(small_scene)
+    small = load_trace(str(walked), small_scene)
+    assert np.ptp(small.position_m, axis=0)[:2].tolist() == pytest.approx([2.0, 1.0])
+    long = tmp_path / "long.csv"
+    long.write_text(
+        "time_s,x_m,y_m,z_m,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n1,90000,0,0,0,0,0,1\n", "utf-8"
+    )
+    shrunk = load_trace(str(long), small_scene)
+    assert np.ptp(shrunk.position_m[:, 0]) == pytest.approx(size[0])
+    assert "at scale" in shrunk.name
 
 
 def test_file_is_only_moved_when_asked(small_scene: Scene, walked: Path) -> None:
@@ -68,5 +84,5 @@ def test_unknown_trace_is_refused(spec: str, said: str, small_scene: Scene) -> N
 
 def test_unknown_placing_is_refused(small_scene: Scene) -> None:
     """A way of placing that is not known is named with those that are."""
-    with pytest.raises(InputError, match="fit, center, none"):
+    with pytest.raises(InputError, match="shrink, fit, center, none"):
         load_trace("tour", small_scene, "stretch")
