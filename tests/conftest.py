@@ -11,13 +11,13 @@ import pytest
 
 from lodbench.models.camera import Camera
 from lodbench.models.cost import CostModel, CpuCostModel
+from lodbench.models.frustum import Culler
 from lodbench.models.hardware import Display, HardwareProfile, Provenance
 from lodbench.models.levels import LevelTable
 from lodbench.models.predictors import LEVEL_PREDICTORS
 from lodbench.models.residual import Residual
 from lodbench.models.scene import ObjectTypes, Scene
 from lodbench.policies.view import Completed, FrameState, View
-from lodbench.sim.frustum import Culler
 from lodbench.traces.camera import CameraTrace
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # looks along -z, x to the right and y up

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.models.camera import Camera
-from lodbench.sim.frustum import Culler
+from lodbench.models.frustum import Culler
 
 coordinate = st.floats(-30.0, 30.0)
 angle = st.floats(-math.pi, math.pi)

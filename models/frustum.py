@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from ..models.arrays import FloatArray, IntArray
-from ..models.camera import Camera
+from .arrays import FloatArray, IntArray
+from .camera import Camera
 
 __all__ = ["Culler"]
 
