@@ -115,8 +115,8 @@ def split_variables(
     """
     place = np.concatenate(([0], np.cumsum(drawn)))
     values = np.stack((weight, share, high))
-    lowest = np.divide(low, high, out=np.ones(len(low)), where=high > 0.0)
-    start: list[IntArray] = []
+    floor = np.divide(low, high, out=np.ones(len(low)), where=high > 0.0)
+    start: list[IntArray] = [np.zeros(0, dtype=np.int64)]
     loss, allowed, visited = 0.0, 0.0, 0
     nodes = tree.scene.roots
     while True:
@@ -124,30 +124,30 @@ def split_variables(
         some = stop > first
         nodes, first, stop = nodes[some], first[some], stop[some]
         if not len(nodes):
-            break
+            return Splitting(np.sort(np.concatenate(start)), loss, allowed, visited)
         visited += len(nodes)
-        total, least, spend, full = _over(first, stop, values, high, lowest)
         count = stop - first
-        lost = total * np.sqrt(spend) * (1.0 - np.sqrt(least[0] / np.maximum(full, 1e-300)))
-        shared = (lost < epsilon / count) & (full * least[1] <= spend * (1.0 + 1e-12))
-        one = count == 1
-        start.append(first[shared | one])
-        several = shared & ~one
-        loss += float(lost[several].sum())
-        allowed += float((epsilon / count[several]).sum())
-        nodes = tree.children(nodes[~(shared | one)])
-    places = np.sort(np.concatenate(start)) if start else np.zeros(0, dtype=np.int64)
-    return Splitting(places, loss, allowed, visited)
+        lost, payable = _lost(first, stop, values, floor)
+        shared = (lost < epsilon / count) & payable & (count > 1)
+        start.append(first[shared | (count == 1)])
+        loss += float(lost[shared].sum())
+        allowed += float((epsilon / count[shared]).sum())
+        nodes = tree.children(nodes[~shared & (count > 1)])
 
 
-def _over(
-    first: IntArray, stop: IntArray, values: FloatArray, high: FloatArray, lowest: FloatArray
-) -> tuple[FloatArray, ...]:
-    """Return sums of weight, share and high, and least high and greatest lowest, of ranges."""
+def _lost(
+    first: IntArray, stop: IntArray, values: FloatArray, floor: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return what leaves in each range may lose by sharing, and whether they can at all.
+
+    `values` are weight, share and greatest cost of leaves, `floor` their least resolution.
+    """
     ends = np.stack((first, stop), axis=1).ravel()
     # One place more, because a range may end with the last leaf.
     padded = np.concatenate((values, np.zeros((3, 1))), axis=1)
-    total, spend, full = np.add.reduceat(padded, ends, axis=1)[:, ::2]
-    least = np.minimum.reduceat(np.append(high, 0.0), ends)[::2]
-    most = np.maximum.reduceat(np.append(lowest, 0.0), ends)[::2]
-    return total, np.stack((least, most)), spend, full
+    weight, spend, full = np.add.reduceat(padded, ends, axis=1)[:, ::2]
+    least = np.minimum.reduceat(padded[2], ends)[::2]
+    highest = np.maximum.reduceat(np.append(floor, 0.0), ends)[::2]
+    part = np.divide(least, full, out=np.ones(len(full)), where=full > 0.0)
+    payable = full * highest <= spend * (1.0 + 1e-12)
+    return weight * np.sqrt(spend) * (1.0 - np.sqrt(part)), payable

@@ -132,4 +132,4 @@ def _work(offer: Offer, plan: Plan, smooth: Ascent, steps: int) -> Work:
     increments = offer.forest.count
     comparisons = plan.comparisons + increments * increments.bit_length()
     comparisons += 2 * smooth.passes * len(plan.weight)
-    return Work(len(offer.view) + plan.visited, comparisons, steps)
+    return Work(len(offer.view) + plan.visited, comparisons, steps + smooth.passes)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..models.admission import admit
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.benefit import level_primitives
 from ..models.predictors import LEVEL_PREDICTORS
@@ -13,14 +14,13 @@ from ..models.variable_splitting import LeafTree, Splitting, split_variables
 from .resolution_cost import ResolutionCosts
 from .view import View
 
-__all__ = ["Admission", "Groups", "Plan", "admit"]
+__all__ = ["Groups", "Plan"]
 
 _SPLATS = LEVEL_PREDICTORS.index("splats")
 _DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
 _K = 1.0 / 16.0  # the paper's weight of vegetation against terrain
 _TREES = 64.0  # the paper's largest group
 _LEAST_WEIGHT = 1e-12  # of the greatest; so that what is worth nothing is raised last, not never
-_LEAST_SCALE = 1e-40  # of the greatest; with the square of the above, where bisection begins
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +33,8 @@ class Plan:
         Groups drawn.
     setup_ms : float
         What they cost whatever their resolution.
-    full_ms, floor : (u,) float64
-        Cost of a group's full resolution, and the resolution that it has at least.
+    floor : (u,) float64
+        The resolution that a group has at least.
     weight, low, high : (V,) float64
         Variables: factor of the root of the cost, and bounds of the cost.
     owner : (u,) int
@@ -45,7 +45,6 @@ class Plan:
 
     ids: IntArray
     setup_ms: float
-    full_ms: FloatArray
     floor: FloatArray
     weight: FloatArray
     low: FloatArray
@@ -130,23 +129,28 @@ class Groups:
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
         large = ~optional | (seen.area_px >= cull_px * cull_px)
         at = np.flatnonzero(large)
-        admission = admit(
-            setup[at], (full * floor)[at], full[at], weight[at], optional[at], budget_ms
-        )
+        low = full * floor
+        admission = admit(setup[at], low[at], full[at], weight[at], optional[at], budget_ms)
         if admission is None:
             return None
         at = at[admission.drawn]
-        setup, full, floor, weight = setup[at], full[at], floor[at], weight[at]
+        low, full, floor, weight = low[at], full[at], floor[at], weight[at]
         splitting = _apart(len(at))
         if epsilon is not None and not self.scene.flat:
             drawn = np.zeros(len(inside), dtype=np.bool_)
             drawn[np.flatnonzero(inside)[at]] = True
-            low = full * floor
             share = np.clip(admission.scale * np.square(weight), low, full)
             lose = epsilon * float((weight * np.sqrt(share)).sum())
             splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
-        groups = seen.ids[at], float(setup.sum()), full, floor
-        return _plan(*groups, weight, splitting, len(seen), admission.comparisons)
+        return Plan(
+            seen.ids[at],
+            float(setup[at].sum()),
+            floor,
+            *_variables(splitting.start, weight, floor, full),
+            splitting,
+            len(seen) + splitting.visited,
+            admission.comparisons,
+        )
 
 
 def _apart(count: int) -> Splitting:
@@ -154,106 +158,16 @@ def _apart(count: int) -> Splitting:
     return Splitting(np.arange(count), 0.0, 0.0, 0)
 
 
-def _plan(
-    ids: IntArray,
-    setup_ms: float,
-    full: FloatArray,
-    floor: FloatArray,
-    weight: FloatArray,
-    splitting: Splitting,
-    seen: int,
-    comparisons: int,
-) -> Plan:
-    """Return the plan whose groups share variables."""
-    start, value = splitting.start, weight * np.sqrt(full)
-    owner = np.zeros(len(ids), dtype=np.int64)
+def _variables(
+    start: IntArray, weight: FloatArray, floor: FloatArray, full: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Return weight, least and greatest cost of variables over groups, and the variable of each."""
+    owner = np.zeros(len(weight), dtype=np.int64)
     owner[start] = 1
     owner = np.cumsum(owner) - 1
-    high, lowest = full, floor
-    if len(start) < len(ids):
-        high = np.add.reduceat(full, start)
-        value = np.add.reduceat(value, start)
-        lowest = np.maximum.reduceat(floor, start)
-    weight = np.divide(value, np.sqrt(high), out=np.zeros(len(high)), where=high > 0.0)
-    visited = seen + splitting.visited
-    return Plan(
-        ids,
-        setup_ms,
-        full,
-        floor,
-        weight,
-        lowest * high,
-        high,
-        owner,
-        splitting,
-        visited,
-        comparisons,
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Admission:
-    """Groups to draw, and what the best use of the budget would spend on them.
-
-    Attributes
-    ----------
-    drawn : (u,) int
-        In ascending order.
-    scale : float
-        At least the ratio of what a group's resolution costs to the square of its weight, where no
-        bound holds, in the best use of the budget; at most four times that.
-    comparisons : int
-    """
-
-    drawn: IntArray
-    scale: float
-    comparisons: int
-
-
-def admit(
-    setup: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    weight: FloatArray,
-    optional: BoolArray,
-    budget: float,
-) -> Admission | None:
-    """Return which groups to draw; None if those that are not optional are too dear at `low`.
-
-    A group is worth its setup if the best use of the budget would spend on its resolution at least
-    as much as on its setup, and at least its lowest: then it has a splat for every tree.  That is
-    the tangent from nothing to its benefit.  Costs and weights are (n,); benefit is ``weight ·
-    sqrt(x)``.
-    """
-    squared = np.square(weight)
-    entry = np.minimum(np.maximum(setup, low), high)
-    key = np.divide(entry, squared, out=np.zeros(len(entry)), where=optional & (squared > 0.0))
-    order = np.argsort(key, kind="stable")
-    key, columns = key[order], np.stack((squared, setup, low, high))[:, order]
-
-    def spent(scale: float, count: int) -> float:
-        squared, setup, low, high = columns[:, :count]
-        return float((np.clip(scale * squared, low, high) + setup).sum())
-
-    fewest, most = int(len(order) - np.count_nonzero(optional)), len(order)
-    if spent(0.0, fewest) > budget:
-        return None
-    comparisons = most * most.bit_length()
-    while fewest < most:
-        count = (fewest + most + 1) // 2
-        comparisons += 2 * count
-        if spent(float(key[count - 1]), count) <= budget:
-            fewest = count
-        else:
-            most = count - 1
-    drawn = np.sort(order[:fewest])
-    if fewest < len(order):
-        return Admission(drawn, float(key[fewest]), comparisons)
-    full = np.divide(high, squared, out=np.zeros(len(high)), where=squared > 0.0)
-    above = float(full.max(initial=0.0))
-    below = max(float(key[-1]) if len(key) else 0.0, _LEAST_SCALE * above)
-    while above > 4.0 * below:
-        middle = float(np.sqrt(below)) * float(np.sqrt(above))
-        comparisons += 2 * len(order)
-        below, above = (middle, above) if spent(middle, fewest) <= budget else (below, middle)
-    return Admission(drawn, above, comparisons)
+    if len(start) == len(weight):
+        return weight, full * floor, full, owner
+    high = np.add.reduceat(full, start)
+    value = np.add.reduceat(weight * np.sqrt(full), start)
+    shared = np.divide(value, np.sqrt(high), out=np.zeros(len(high)), where=high > 0.0)
+    return shared, np.maximum.reduceat(floor, start) * high, high, owner

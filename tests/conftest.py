@@ -199,6 +199,24 @@ def _quadtree(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return at, np.concatenate(cells), np.concatenate(parents)
 
 
+def _styria_levels(splats: float) -> LevelTable:
+    """Return inner and leaf patches, nothing, and groups of 16, 32, 48 and 64 trees."""
+    trees = np.array([16.0, 32.0, 48.0, 64.0])
+    counts = np.zeros((11, len(LEVEL_PREDICTORS)))
+    counts[:2] = [{"draw_calls": 1.0, "vertices": 33.0**2}.get(p, 0.0) for p in LEVEL_PREDICTORS]
+    counts[:2, LEVEL_PREDICTORS.index("triangles")] = 2.0 * 32.0**2
+    counts[3:, LEVEL_PREDICTORS.index("draw_calls")] = np.repeat(trees, 2)
+    counts[3::2, LEVEL_PREDICTORS.index("splats")] = trees * splats
+    counts[4::2, LEVEL_PREDICTORS.index("splats")] = trees
+    return LevelTable(
+        np.array([0, 1, 2, 3, 5, 7, 9, 11]),
+        counts,
+        np.array([0.02, 0.0, 0.0, *(0.0, 0.05) * 4]),
+        30.0 * counts.sum(axis=1),
+        np.arange(7) > 2,
+    )
+
+
 def build_styria(
     seed: int = 0,
     *,
@@ -221,20 +239,6 @@ def build_styria(
     depth, cell = (np.concatenate(pair) for pair in zip(terrain[:2], forest[:2], strict=True))
     ground = len(terrain[0])
     parent = np.concatenate((terrain[2], np.where(forest[2] < 0, -1, forest[2] + ground)))
-    trees = np.array([16.0, 32.0, 48.0, 64.0])
-    counts = np.zeros((11, len(LEVEL_PREDICTORS)))  # inner and leaf patch, nothing, groups
-    counts[:2] = [{"draw_calls": 1.0, "vertices": 33.0**2}.get(p, 0.0) for p in LEVEL_PREDICTORS]
-    counts[:2, LEVEL_PREDICTORS.index("triangles")] = 2.0 * 32.0**2
-    counts[3:, LEVEL_PREDICTORS.index("draw_calls")] = np.repeat(trees, 2)
-    counts[3::2, LEVEL_PREDICTORS.index("splats")] = trees * splats
-    counts[4::2, LEVEL_PREDICTORS.index("splats")] = trees
-    levels = LevelTable(
-        np.array([0, 1, 2, 3, 5, 7, 9, 11]),
-        counts,
-        np.array([0.02, 0.0, 0.0, *(0.0, 0.05) * 4]),
-        30.0 * counts.sum(axis=1),
-        np.arange(7) > 2,
-    )
     kind = np.where(np.arange(len(depth)) < ground, depth == terrain_depth, 2)
     groups = (np.arange(len(depth)) >= ground) & (depth == forest_depth)
     kind[groups] = rng.integers(3, 7, int(groups.sum()))
@@ -245,7 +249,7 @@ def build_styria(
         kind=kind,
         scale=np.sqrt(0.5) * cell_m,
         parent=parent,
-        levels=levels,
+        levels=_styria_levels(splats),
     )
 
 
