@@ -10,7 +10,6 @@ from ..errors import InputError, PolicyError
 from ..models.arrays import BoolArray, FloatArray
 from ..models.camera import Camera
 from ..models.frustum import Culler
-from ..models.frustum import Culler
 from ..models.hardware import HardwareProfile
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
