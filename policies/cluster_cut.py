@@ -45,10 +45,10 @@ class ClusterCut:
     gain: float = 0.5  # Unreal's square root
     dead_band: float = 0.05  # ours
     rate_limit: float = 1.1  # ours: at most 10 % a frame
-    _budget_ms: float = field(init=False, default=0.0)
-    _chooser: Hierarchy | ErrorLadder = field(init=False)
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _steered_px: float = field(init=False, default=1.0)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _chooser: Hierarchy | ErrorLadder = field(init=False, repr=False, compare=False)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _steered_px: float = field(init=False, repr=False, compare=False, default=1.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 

@@ -38,11 +38,11 @@ class Erikson:
     """
 
     target: float = 0.9  # share of the budget to aim at; Unreal's headroom
-    _budget_ms: float = field(init=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False)
-    _reports: Reports = field(init=False, default_factory=Reports)
-    _drawn: list[float] = field(init=False, default_factory=list[float])
-    _polygons: float = field(init=False, default=0.0)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _drawn: list[float] = field(init=False, repr=False, compare=False, default_factory=list[float])
+    _polygons: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 

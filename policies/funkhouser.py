@@ -56,9 +56,11 @@ class Funkhouser:
     motion: float = 0.5  # ours
     hysteresis: float = 1e-4  # ours: of the order of accuracy steps between neighbouring levels
     max_steps: int = 64  # ours: exchanges of the incremental form a frame
-    _budget_ms: float = field(init=False, default=0.0)
-    _choices: Choices = field(init=False)
-    _column: IntArray = field(init=False, default_factory=lambda: np.empty(0, dtype=np.int32))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _choices: Choices = field(init=False, repr=False, compare=False)
+    _column: IntArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.empty(0, dtype=np.int32)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 

@@ -70,10 +70,14 @@ class Gobbetti:
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
     max_iterations: int = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's time limit is lost
-    _budget_ms: float = field(init=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, default=None)
-    _primitives: FloatArray = field(init=False, default_factory=lambda: np.ones(0))
-    _last: FloatArray = field(init=False, default_factory=lambda: np.zeros(0))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
+    _primitives: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
+    )
+    _last: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

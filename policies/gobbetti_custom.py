@@ -66,13 +66,17 @@ class GobbettiCustom:
     degradation: str = "importance * area / triangles / r"  # as gobbetti with m = 1
     cost: str | None = None  # None: the scene's cost model
     max_iterations: int = 200  # ours: ten times what smooth formulas take
-    failures: int = field(init=False, default=0)
-    _budget_ms: float = field(init=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, default=None)
-    _primitives: FloatArray = field(init=False, default_factory=lambda: np.ones(0))
-    _program: ConvexProgram | None = field(init=False, default=None)
-    _last: FloatArray = field(init=False, default_factory=lambda: np.zeros((2, 0)))
-    _budget_multiplier: float = field(init=False, default=0.0)
+    failures: int = field(init=False, repr=False, compare=False, default=0)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
+    _primitives: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
+    )
+    _program: ConvexProgram | None = field(init=False, repr=False, compare=False, default=None)
+    _last: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros((2, 0))
+    )
+    _budget_multiplier: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -66,12 +66,12 @@ class HlodHysteresis:
     share_rate: float = 0.003  # ours: "gradually"; relative change of shareTime a frame
     margin: float = 0.1  # ours: "substantially" below or over the target
     lead_s: float = 0.1  # ours: "slightly adjusted" for the user's velocity
-    _hierarchy: Hierarchy = field(init=False)
-    _loops: TimeLoops = field(init=False)
-    _units: FloatArray = field(init=False)
-    _static_benefit: FloatArray = field(init=False)
-    _counter: FloatArray = field(init=False)
-    _list: PriorityList = field(init=False, default_factory=PriorityList)
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _loops: TimeLoops = field(init=False, repr=False, compare=False)
+    _units: FloatArray = field(init=False, repr=False, compare=False)
+    _static_benefit: FloatArray = field(init=False, repr=False, compare=False)
+    _counter: FloatArray = field(init=False, repr=False, compare=False)
+    _list: PriorityList = field(init=False, repr=False, compare=False, default_factory=PriorityList)
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
 

@@ -40,11 +40,15 @@ class Maciel:
     """
 
     threshold: int = 8  # ours: frames; the thesis says only that it is fixed
-    _budget_ms: float = field(init=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False)
-    _costs: NodeCosts = field(init=False)
-    _refined: BoolArray = field(init=False, default_factory=lambda: np.zeros(0, dtype=np.bool_))
-    _wished: IntArray = field(init=False, default_factory=lambda: np.zeros(0, dtype=np.int32))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _costs: NodeCosts = field(init=False, repr=False, compare=False)
+    _refined: BoolArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
+    )
+    _wished: IntArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.int32)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 

@@ -43,10 +43,12 @@ class MasonBlake:
     text was at hand, so that the algorithm is derived from the hull argument.
     """
 
-    _budget_ms: float = field(init=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False)
-    _costs: NodeCosts = field(init=False)
-    _refined: BoolArray = field(init=False, default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _costs: NodeCosts = field(init=False, repr=False, compare=False)
+    _refined: BoolArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 

@@ -40,10 +40,10 @@ class Oracle:
     """
 
     exact_up_to: int = 40  # ours: HiGHS takes about 10 ms there, and seconds at 3,000 objects
-    _budget_ms: float = field(init=False, default=0.0)
-    _scene: Scene = field(init=False)
-    _truth: Truth | None = field(init=False, default=None)
-    _choices: LevelChoices | None = field(init=False, default=None)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _scene: Scene = field(init=False, repr=False, compare=False)
+    _truth: Truth | None = field(init=False, repr=False, compare=False, default=None)
+    _choices: LevelChoices | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, future=True)
 

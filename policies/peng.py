@@ -43,9 +43,11 @@ class Peng:
     alpha: float = 3.0  # the paper's, chosen to act as Funkhouser and Séquin's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
     threshold_px: float = 0.0  # off
-    _budget_ms: float = field(init=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, default=None)
-    _primitives: FloatArray = field(init=False, default_factory=lambda: np.ones(0))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
+    _primitives: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -45,10 +45,10 @@ class ScreenSpaceError:
 
     tolerance_px: float = 16.0  # CesiumJS and cesium-native
     memory_bytes: float | None = None  # None: off; CesiumJS adjusts to its cache of 512 MiB
-    _budget_ms: float = field(init=False, default=0.0)
-    _chooser: Hierarchy | ErrorLadder = field(init=False)
-    _node_bytes: FloatArray = field(init=False)
-    _adjusted_px: float = field(init=False, default=0.0)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _chooser: Hierarchy | ErrorLadder = field(init=False, repr=False, compare=False)
+    _node_bytes: FloatArray = field(init=False, repr=False, compare=False)
+    _adjusted_px: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(
         continuous=True, hierarchy=True, loader=True

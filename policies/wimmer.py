@@ -74,9 +74,11 @@ class Wimmer:
     """
 
     m: int = 1  # as in the benefit that the simulator scores
-    _budget_ms: float = field(init=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, default=None)
-    _primitives: FloatArray = field(init=False, default_factory=lambda: np.ones(0))
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
+    _primitives: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
+    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -72,8 +72,8 @@ class Zach:
     cull_px: float = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
     max_steps: int = 256  # ours; "bent" and "newton" need some twenty
-    _budget_ms: float = field(init=False, default=0.0)
-    _halves: _Halves | None = field(init=False, default=None, repr=False, compare=False)
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _halves: _Halves | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
