@@ -23,6 +23,8 @@ class TypeModel:
     counts : (L, P) float64
         In the order of `LEVEL_PREDICTORS`.
     error_m : (L,) float64
+    continuous : bool
+        Whether the levels are knots of a continuous model.
     center_m : (3,) float64
         Derived: centre of the box of all levels.
     radius_m : float
@@ -33,6 +35,7 @@ class TypeModel:
     meshes: Geometry = field(repr=False)
     counts: FloatArray
     error_m: FloatArray
+    continuous: bool = False
     center_m: FloatArray = field(init=False)
     radius_m: float = field(init=False)
 
@@ -56,7 +59,7 @@ def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:
         counts=np.concatenate([model.counts for model in models]),
         error_m=np.concatenate([model.error_m for model in models]),
         bytes=np.array([float(mesh.byte_count) for mesh in geometry]),
-        continuous=np.zeros(len(models), dtype=np.bool_),
+        continuous=np.array([model.continuous for model in models]),
     )
     center = np.stack([model.center_m for model in models])
     radius = np.array([model.radius_m for model in models])

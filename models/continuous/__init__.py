@@ -1,0 +1,1 @@
+"""Continuous models of detail: ordered meshes, foliage, splat trees and terrain."""

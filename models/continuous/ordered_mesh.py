@@ -1,0 +1,182 @@
+"""The totally ordered mesh: every resolution of a mesh in one vertex and one triangle list."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import InputError
+from ..arrays import FloatArray, IntArray, frozen_array
+from .collapse import Contraction
+
+__all__ = ["OrderedMesh", "Restart", "order_mesh", "substitute"]
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """The triangles after some steps, their corners active there; (T, 3) int32."""
+
+    step: int
+    faces: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class OrderedMesh:
+    """A mesh of V drawn vertices and F triangles and the S steps that contract it.
+
+    Vertices and triangles stand in the order of the step that removes them, last removed first, so
+    that what is active after any number of steps is a prefix of both lists.  A corner whose vertex
+    is not active is drawn by the first active vertex of its chain of substitutes.
+
+    Source: Gobbetti and Bouvier, "Time-critical multiresolution rendering of large complex models"
+    (2000), section 6.  Difference: restart lists, which hold the triangles of some later steps with
+    their chains already walked.  With the list of step 0 alone, as published, chains grow as
+    resolution falls; each further list bounds them anew.
+
+    Attributes
+    ----------
+    vertex_source : (V,) int32
+        Row of each vertex in the mesh that was ordered.
+    face_source : (F,) int32
+        Row of each triangle there.
+    target : (V,) int32
+        Substitute of each vertex, always an earlier one; itself if it is never removed.
+    vertices_after, faces_after : (S + 1,) int32
+        Active vertices and triangles after each number of steps, falling.
+    restarts : tuple of Restart
+        By step, the first at step 0.
+    """
+
+    vertex_source: IntArray
+    face_source: IntArray
+    target: IntArray
+    vertices_after: IntArray
+    faces_after: IntArray
+    restarts: tuple[Restart, ...]
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        for name in ("vertex_source", "face_source", "target", "vertices_after", "faces_after"):
+            values = getattr(self, name)
+            put(self, name, frozen_array(values, np.int32, (len(values),), name))
+
+    @property
+    def steps(self) -> int:
+        """Steps from the full mesh to the coarsest."""
+        return len(self.faces_after) - 1
+
+    def step_of(self, triangles: int) -> int:
+        """Return the fewest steps that leave at most this many triangles.
+
+        A step removes one to three, so that at most two fewer are left.
+
+        Raises
+        ------
+        InputError
+            If the number is not between the coarsest and the full mesh's.
+        """
+        least, full = int(self.faces_after[-1]), int(self.faces_after[0])
+        if not least <= triangles <= full:
+            raise InputError(f"triangles: expected {least} to {full}, got {triangles}")
+        return int(np.searchsorted(-self.faces_after, -triangles))
+
+    def restart_at(self, step: int) -> Restart:
+        """Return the last restart list at or before a step."""
+        return next(r for r in reversed(self.restarts) if r.step <= step)
+
+    def extract(self, triangles: int) -> IntArray:
+        """Return the corners of the mesh of that many triangles (see `step_of`), (T, 3) int32."""
+        step = self.step_of(triangles)
+        faces = self.restart_at(step).faces[: self.faces_after[step]].copy()
+        substitute(faces, self.target, int(self.vertices_after[step]))
+        return faces
+
+    def traversal_overhead(self) -> FloatArray:
+        """Return extra vertices visited over corners drawn, after each number of steps, (S + 1,).
+
+        A chain of k substitutions visits k vertices besides the one that is drawn.
+        """
+        result = np.empty(self.steps + 1)
+        ends = [*(r.step for r in self.restarts[1:]), self.steps + 1]
+        for restart, end in zip(self.restarts, ends, strict=True):
+            ratio = _overhead(restart, self.target, self.vertices_after, self.faces_after)
+            result[restart.step : end] = ratio[: end - restart.step]
+        return result
+
+
+def order_mesh(
+    drawn: IntArray, contraction: Contraction, *, max_overhead: float | None = 1.0 / 3.0
+) -> OrderedMesh:
+    """Sort the drawn vertices and triangles of a mesh by the step that removes them.
+
+    Parameters
+    ----------
+    drawn : (F, 3)
+        Drawn vertices of the corners, as contracted.
+    max_overhead : float, optional
+        A restart list is made wherever the traversal overhead would pass this; None makes the
+        published structure.  Above 0.
+    """
+    if max_overhead is not None and not max_overhead > 0.0:
+        raise InputError(f"max_overhead: expected above 0, got {max_overhead}")
+    by_vertex = np.argsort(-contraction.vertex_step, kind="stable")
+    by_face = np.argsort(-contraction.face_step, kind="stable")
+    rank = np.empty(len(by_vertex), dtype=np.int32)
+    rank[by_vertex] = np.arange(len(by_vertex))
+    target = rank[contraction.target[by_vertex]]
+    vertices_after = _active(contraction.vertex_step, contraction.steps)
+    faces_after = _active(contraction.face_step, contraction.steps)
+    restarts = [Restart(0, _frozen(rank[drawn[by_face]]))]
+    while max_overhead is not None:
+        last = restarts[-1]
+        over = _overhead(last, target, vertices_after, faces_after) > max_overhead
+        if not over.any():
+            break
+        step = last.step + int(over.argmax())
+        faces = last.faces[: faces_after[step]].copy()
+        substitute(faces, target, int(vertices_after[step]))
+        restarts.append(Restart(step, _frozen(faces)))
+    return OrderedMesh(by_vertex, by_face, target, vertices_after, faces_after, tuple(restarts))
+
+
+def substitute(faces: IntArray, target: IntArray, active: int) -> int:
+    """Walk the chain of every corner to an active vertex, in place; return the vertices visited."""
+    corners, hops = faces.reshape(-1), 0
+    moving = np.flatnonzero(corners >= active)
+    while len(moving):
+        hops += len(moving)
+        corners[moving] = target[corners[moving]]
+        moving = moving[corners[moving] >= active]
+    return hops
+
+
+def _frozen(faces: IntArray) -> IntArray:
+    return frozen_array(faces, np.int32, faces.shape, "faces")
+
+
+def _active(step: IntArray, steps: int) -> IntArray:
+    """Return how many are left after 0 to `steps` steps."""
+    return len(step) - np.concatenate(([0], np.cumsum(np.bincount(step, minlength=steps)[:steps])))
+
+
+def _overhead(
+    restart: Restart, target: IntArray, vertices_after: IntArray, faces_after: IntArray
+) -> FloatArray:
+    """Return the overhead after each step from a restart list on, (S + 1 - step,).
+
+    A corner's chain is walked link by link; a link counts from the step that removes its vertex
+    until the triangle is removed itself.
+    """
+    steps = len(faces_after) - 1
+    removed_face = np.searchsorted(-faces_after, -np.arange(len(restart.faces)), side="left")
+    removed_vertex = np.searchsorted(-vertices_after, -np.arange(len(target)), side="left")
+    change = np.zeros(steps + 2)
+    corner = restart.faces.reshape(-1)
+    until = np.repeat(removed_face, 3)
+    while len(corner):
+        start = removed_vertex[corner]
+        alive = start < until
+        corner, until, start = target[corner[alive]], until[alive], start[alive]
+        change += np.bincount(start, minlength=steps + 2)[: steps + 2]
+        change -= np.bincount(until, minlength=steps + 2)[: steps + 2]
+    extra = np.cumsum(change)[restart.step : steps + 1]
+    return extra / (3.0 * faces_after[restart.step :])
