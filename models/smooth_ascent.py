@@ -165,7 +165,12 @@ class GradientAscent:
 
     def _find_slope(self, slope: float, end: float) -> float:
         """Return the step at which value = 2 slope · (drift + step · speed), within [0, end]."""
-        below, above, step = 0.0, end, 0.0
+        below, above = 0.0, end
+        # Right but for the barrier, and for what still waits below its lowest value or is full.
+        ray, self.passes = self._direction, self.passes + 1
+        drift, speed = float((ray * self._at).sum()), float((ray * ray).sum())
+        step = (float((ray * self._weight).sum()) / (2.0 * slope) - drift) / speed
+        step = min(max(step, below), above)
         for _ in range(_MAX_PASSES):
             value, drift, speed = self._moments(self._at + step * self._direction)
             gap = value - 2.0 * slope * drift
