@@ -71,7 +71,7 @@ class Zach:
     barrier: float = 1e-3  # ours; "a small constant" in the paper
     cull_px: float = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
-    max_steps: int = 256  # ours; "bent" and "newton" need some twenty
+    max_steps: int = 256  # ours; some ten, but with "gradient" one for each variable that fills up
     _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
     _halves: _Halves | None = field(init=False, repr=False, compare=False, default=None)
 
