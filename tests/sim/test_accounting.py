@@ -57,20 +57,23 @@ def test_scale_and_importance_count(run: Run, scripted: MakePolicy) -> None:
     assert log["benefit"][0] == pytest.approx(3.0 * AREA_PX * (1 - 0.5 / 250))
 
 
-def test_five_objects_of_two_types(run: Run, scripted: MakePolicy, make_levels: MakeLevels) -> None:
+def test_five_objects_of_two_types(
+    run: Run, scripted: MakePolicy, make_levels: MakeLevels, make_hardware: MakeHardware
+) -> None:
     """Counts add up over objects; a type is one state change however often it is drawn."""
     levels = make_levels([(1000, 250), (60, 20)], draw_calls=2.0)
+    hardware = make_hardware({"triangles": 1e-3, "draw_calls": 0.01, "state_changes": 0.25})
     log = run(
         scripted([[0, 1, 1, 0, 1]]),
         positions=[(x, 0.0, -10.0) for x in (-2.0, -1.0, 0.0, 1.0, 2.0)],
         kind=[0, 0, 1, 1, 1], levels=levels,
-        hardware=None,
+        hardware=hardware,
     )  # fmt: skip
     assert log["triangles"][0] == 1000 + 250 + 20 + 60 + 20
     assert log["draw_calls"][0] == 10
     assert log["state_changes"][0] == 2
-    assert log["model_gpu_ms"][0] == pytest.approx(1.0 + 1.35)
-    assert log["full_gpu_ms"][0] == pytest.approx(1.0 + 2.18)
+    assert log["model_gpu_ms"][0] == pytest.approx(1.0 + 1.35 + 0.1 + 0.5)
+    assert log["full_gpu_ms"][0] == pytest.approx(1.0 + 2.18 + 0.1 + 0.5)
 
 
 def test_objects_outside_the_frustum_cost_nothing(run: Run) -> None:

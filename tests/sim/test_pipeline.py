@@ -126,6 +126,12 @@ def test_mailbox_is_not_held_back_by_the_screen(run_frames: RunFrames) -> None:
     ]  # fmt: skip
 
 
+def test_mailbox_shows_a_frame_that_is_done_exactly_at_the_vblank(run_frames: RunFrames) -> None:
+    """Frames done at 5 and 10 ms at 100 Hz: the vblank at 10 shows the second, not the first."""
+    pipeline = run_frames([0, 0], [5 * MS, 5 * MS], mode="mailbox", refresh_hz=100.0)
+    assert list(pipeline.display_ns) == [DROPPED_NS, 10 * MS]
+
+
 def test_mailbox_drops_are_counted_and_shown_frames_fill_every_vblank(
     run_frames: RunFrames,
 ) -> None:
