@@ -70,7 +70,7 @@ def examine(design: Design, scaled: Sequence[float] | FloatArray) -> Collinearit
 def _group(design: Design, members: NDArray[np.intp], index: float) -> Collinear:
     raw: FloatArray = design.columns[members] * design.unit[members, np.newaxis]
     return Collinear(
-        tuple(design.names[member] for member in members.tolist()),
+        tuple(np.array(design.names)[members].tolist()),
         raw @ raw[0] / (raw[0] @ raw[0]),
         float(index),
     )

@@ -1,10 +1,10 @@
 """How many independent frames a log is worth.
 
-What a cost model misses changes slowly with the view, so successive frames err alike, and a
-likelihood that multiplies frames as if they were independent is too sure of itself.  The
-likelihood is therefore raised to a power, the worth of a frame: the magnitude adjustment of
-composite likelihoods (Pauli, Racugno, Ventura, Statistica Sinica 21, 2011), here one over the mean
-integrated autocorrelation time of the scores, whitened.
+What a cost model misses changes slowly with the view, so successive frames err alike; and no noise
+is quite Student's t.  A likelihood that multiplies frames as if they were independent and its noise
+true is too sure of itself.  It is therefore raised to a power, the worth of a frame: the magnitude
+adjustment of composite likelihoods (Pauli, Racugno, Ventura, Statistica Sinica 21, 2011), the number
+of coefficients over the trace of ``H⁻¹ J``, H the curvature and J the long-run variance of scores.
 """
 
 from typing import Any
@@ -20,7 +20,9 @@ from .sample import Sample
 __all__ = ["frame_worth", "standard_residuals"]
 
 _STANDS_OUT = 2.0  # deviations of chance
-_FEWEST = 30  # frames, below which nothing can be said
+_FEWEST = 30  # frames, below which nothing can be said of their order
+_LEAST_STIFF = 0.1  # mean curvature of a frame's likelihood; outliers' own is negative
+_LEAST = 1e-9  # curvature, of the largest, below which a direction is not looked at
 
 
 def standard_residuals(
@@ -39,35 +41,33 @@ def standard_residuals(
 def frame_worth(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> float:
     """Return the share of a frame that each frame counts for, in (0, 1].
 
-    It is 1 where the scores' correlation from frame to frame does not stand out of chance.
+    It is one over the mean, over K directions in which the likelihood is equally curved, of the
+    long-run variance of the scores, which is 1 where the model is true.
     """
     _, scale, z = standard_residuals(sample, design, theta, likelihood.names)
-    pull = z
+    pull, stiffness = z, 1.0
     if likelihood.names[-1] == "inverse_dof":
         dof = 1.0 / theta[-1]
         pull = (dof + 1.0) * z / (dof + z**2)
-    scores = _whitened((design.columns * (pull / scale)).T)
-    weighted, rows = 0.0, 0
-    for series in np.unique(sample.series):
-        part = scores[sample.series == series]
-        if len(part) >= _FEWEST:
-            weighted += len(part) * _inflation(part)
-            rows += len(part)
-    return rows / weighted if rows else 1.0
+        curvature: FloatArray = (dof + 1.0) * (dof - z**2) / (dof + z**2) ** 2
+        stiffness = max(float(curvature.mean()), _LEAST_STIFF)
+    columns = design.columns / scale
+    values, vectors = np.linalg.eigh(stiffness * columns @ columns.T / len(z))
+    good = values > _LEAST * values.max()
+    scores = (columns * pull).T @ vectors[:, good] / np.sqrt(values[good])
+    variance = 0.0
+    for log in np.unique(sample.series):
+        part = scores[sample.series == log]
+        variance += len(part) / len(z) * _long_run_variance(part)
+    return min(1.0, 1.0 / variance)
 
 
-def _whitened(scores: FloatArray) -> FloatArray:
-    """Return uncorrelated scores of variance 1, (n, at most K)."""
-    centered = scores - scores.mean(axis=0)
-    left, values, _ = np.linalg.svd(centered, full_matrices=False)
-    return left[:, values > 1e-9 * values.max()] * np.sqrt(len(scores))
-
-
-def _inflation(scores: FloatArray) -> float:
-    """Return the mean integrated autocorrelation time of columns of successive scores, >= 1."""
+def _long_run_variance(scores: FloatArray) -> float:
+    """Return the variance of columns of successive scores times their autocorrelation time."""
     away = scores - scores.mean(axis=0)
-    neighbours = (away[1:] * away[:-1]).sum(axis=0) / (away**2).sum(axis=0)
-    if neighbours.mean() < _STANDS_OUT / np.sqrt(len(scores)):
-        return 1.0
+    variance: FloatArray = (away**2).mean(axis=0)
+    neighbours: FloatArray = (away[1:] * away[:-1]).mean(axis=0) / variance
+    if len(scores) < _FEWEST or neighbours.mean() < _STANDS_OUT / np.sqrt(len(scores)):
+        return float(variance.mean())
     tau: Any = emcee.autocorr.integrated_time(scores, tol=0, has_walkers=False)
-    return float(np.maximum(np.asarray(tau, dtype=np.float64), 1.0).mean())
+    return float((variance * np.maximum(np.asarray(tau, dtype=np.float64), 1.0)).mean())

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.arrays import FloatArray
-from .sampler import Chain
+from .sampler import LONG_ENOUGH, Chain
 
 __all__ = ["Diagnostics", "diagnose", "split_r_hat"]
 
 _GROUPS = 4
+_MIXED = 1.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,18 @@ class Diagnostics:
     walkers: int
     lengths: float
     by_parameter: dict[str, dict[str, float]]
+
+    @property
+    def doubt(self) -> str:
+        """Why the chain is not to be trusted, in words; empty where it is."""
+        if self.lengths < LONG_ENOUGH:
+            return (
+                f"the chain has {self.lengths:.1f} autocorrelation times of "
+                f"{self.autocorr_time:.0f} steps, fewer than {LONG_ENOUGH:.0f}"
+            )
+        if self.r_hat > _MIXED:
+            return f"groups of walkers disagree, split R-hat {self.r_hat:.3f} is over {_MIXED}"
+        return ""
 
 
 def diagnose(chain: Chain) -> Diagnostics:

@@ -68,8 +68,9 @@ class GaussianLikelihood:
     def __post_init__(self) -> None:
         put, width = object.__setattr__, len(self.design.names)
         put(self, "names", (*self.design.names, "log_scale"))
-        put(self, "low", np.array([*np.zeros(width), -np.inf]))
-        put(self, "high", np.full(width + 1, np.inf))
+        low, high = _scale_bounds(self.time_ms)
+        put(self, "low", np.array([*np.zeros(width), low]))
+        put(self, "high", np.array([*np.full(width, np.inf), high]))
         columns = self.design.columns.T
         solution = np.linalg.lstsq(columns, self.time_ms)[0]
         residual = self.time_ms - columns @ solution
@@ -113,8 +114,9 @@ class StudentLikelihood:
     def __post_init__(self) -> None:
         put, width = object.__setattr__, len(self.design.names)
         put(self, "names", (*self.design.names, "log_scale", "growth", "inverse_dof"))
-        put(self, "low", np.array([*np.zeros(width), -np.inf, 0.0, 1.0 / DOF_HIGH]))
-        put(self, "high", np.array([*np.full(width + 1, np.inf), 1.0, 1.0 / DOF_LOW]))
+        low, high = _scale_bounds(self.time_ms)
+        put(self, "low", np.array([*np.zeros(width), low, 0.0, 1.0 / DOF_HIGH]))
+        put(self, "high", np.array([*np.full(width, np.inf), high, 1.0, 1.0 / DOF_LOW]))
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log-likelihood of (W, D) parameters inside the bounds, (W,)."""
@@ -139,6 +141,12 @@ class StudentLikelihood:
         ratio *= (inverse * np.exp(-2.0 * theta[:, -3]))[:, np.newaxis]
         ratio += 1.0
         return _sum_of_logs(scale) + (0.5 / inverse + 0.5) * _sum_of_logs(ratio)
+
+
+def _scale_bounds(time_ms: FloatArray) -> tuple[float, float]:
+    """Return bounds of the logarithm of the noise's scale, wide enough for any log."""
+    mean = float(time_ms.mean())
+    return float(np.log(1e-9 * mean)), float(np.log(1e3 * mean))
 
 
 class _OfRows(Protocol):

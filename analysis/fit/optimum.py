@@ -18,6 +18,7 @@ LogDensity = Callable[[FloatArray], FloatArray]
 
 _START_DOF = 4.0
 _LEAST = 0.02  # size of a parameter that is 0, of the largest one's
+_FAR = 10.0  # below the optimum's log density, from where a walker might take long to come back
 _ROUNDS = 2  # an expansion at the optimum of the one before has little left to move
 
 
@@ -66,7 +67,7 @@ def highest(posterior: LogPosterior, given: list[FloatArray]) -> FloatArray:
             return -float(posterior((point * size)[np.newaxis])[0])
 
         bounds: Any = np.stack([low / size, high / size], axis=1)
-        answer: Any = minimize(loss, start / size, method="L-BFGS-B", bounds=bounds)
+        answer: Any = minimize(loss, start / size, method="SLSQP", bounds=bounds)
         if -answer.fun > best_value:
             best, best_value = np.asarray(answer.x, dtype=np.float64) * size, -float(answer.fun)
     return best
@@ -80,9 +81,9 @@ def expand(density: LogDensity, center: FloatArray, low: FloatArray, high: Float
     size = np.maximum(np.abs(center), 1e-3 * np.abs(center).max())
     step = np.minimum(1e-3 * size, 0.1 * (high - low))
     middle, value, up, down = _along_axes(density, center, step, low, high)
-    curvature = (2.0 * value - up - down) / step**2
-    deviation = 1.0 / np.sqrt(np.maximum(curvature, 1e-300))
-    step = np.where(curvature > 0.0, np.minimum(deviation, 100.0 * size), step)
+    curvature = np.maximum(2.0 * value - up - down, 0.0) / step**2
+    slope = (up - down) / (2.0 * step)
+    step = np.minimum(1.0 / np.sqrt(curvature + slope**2 + 1e-300), 100.0 * size)
     step = np.minimum(step, 0.1 * (high - low))
     middle, value, up, down = _along_axes(density, center, step, low, high)
     sums: FloatArray = up + down - 2.0 * value
@@ -132,15 +133,23 @@ def walkers_around(
 ) -> FloatArray:
     """Return starting points scattered like the posterior about its optimum, (count, D).
 
-    The gradient widens the precision where the optimum lies on a bound: the density falls off
-    from there over 1/|gradient|.
+    The gradient adds to the precision where the optimum lies on a bound: the density falls off
+    from there over 1/|gradient|.  Nor is any direction wider than its bounds, or the mean time.
+    Points far down the slope are drawn again, nearer.
     """
     low, high = posterior.likelihood.low, posterior.likelihood.high
     about = expand(posterior, center, low, high)
+    least = 1.0 / np.where(np.isfinite(high - low), high - low, posterior.priors.mean_ms) ** 2
     precision = np.outer(about.gradient, about.gradient) - about.hessian
-    values, vectors = np.linalg.eigh(precision)
-    spread = 1.0 / np.sqrt(np.maximum(values, 1e-12 * values.max()))
-    points = about.center + (rng.standard_normal((count, len(center))) * spread) @ vectors.T
-    points = np.where(points < low, 2.0 * low - points, points)
-    points = np.where(points > high, 2.0 * high - points, points)
-    return np.clip(points, low, high)
+    values, vectors = np.linalg.eigh(precision + np.diag(least))
+    spread = 1.0 / np.sqrt(np.maximum(values, least.min()))
+    enough = posterior(about.center[np.newaxis])[0] - _FAR - len(center)
+    kept = np.empty((0, len(center)))
+    while len(kept) < count:
+        away = rng.standard_normal((count, len(center))) * spread
+        points = about.center + away @ vectors.T
+        points = np.where(points < low, 2.0 * low - points, points)
+        points = np.where(points > high, 2.0 * high - points, points)
+        kept = np.vstack([kept, points[posterior(points) > enough]])
+        spread *= 0.7
+    return kept[:count]

@@ -42,7 +42,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         },
         "noise": _noise(fit),
         "priors": list(found.posterior.priors.describe(fit.options.model)),
-        "diagnostics": asdict(fit.diagnostics) | {"converged": found.chain.converged},
+        "diagnostics": asdict(fit.diagnostics) | {"doubt": fit.diagnostics.doubt},
         "predictive_checks": [asdict(check) for check in fit.checks],
         "condition_number": fit.collinearity.condition_number,
         "collinear": [
