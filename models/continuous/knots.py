@@ -1,0 +1,109 @@
+"""Continuous types from ordered meshes: knots of resolution with measured errors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import InputError
+from ..arrays import FloatArray, IntArray
+from ..attributes import carry_uv
+from ..level_mesh import level_counts, level_mesh
+from ..mesh_error import ErrorMeter, Sampling
+from ..surface_mesh import SurfaceMesh
+from ..type_model import TypeModel
+from .collapse import contract
+from .ordered_mesh import OrderedMesh, order_mesh
+from .texture import DrawnVertices, contract_textured
+
+__all__ = ["KnotOptions", "OrderedSurface", "build_continuous"]
+
+
+@dataclass(frozen=True, slots=True)
+class KnotOptions:
+    """At which resolutions a continuous type is measured.
+
+    Attributes
+    ----------
+    knots : int
+        At most, geometrically spaced from the full mesh to the coarsest; 2 to 256.
+    min_triangles : int
+        No knot aims lower.
+    keep_texture : bool
+        Whether the collapse keeps texture seams (Peng), which leaves more triangles in the
+        coarsest mesh; otherwise coordinates are carried over to the collapsed mesh.
+    """
+
+    knots: int = 12
+    min_triangles: int = 32
+    keep_texture: bool = False
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.knots <= 256:
+            raise InputError(f"knots: expected 2 to 256, got {self.knots}")
+        if self.min_triangles < 1:
+            raise InputError(f"min_triangles: expected at least 1, got {self.min_triangles}")
+
+
+@dataclass(frozen=True, slots=True)
+class OrderedSurface:
+    """A surface in total order, with the material and texture of whatever is extracted.
+
+    Attributes
+    ----------
+    ordered : OrderedMesh
+    drawn : DrawnVertices, optional
+        What the mesh is made of where texture is kept; otherwise vertices are positions.
+    """
+
+    full: SurfaceMesh
+    ordered: OrderedMesh
+    drawn: DrawnVertices | None
+
+    @classmethod
+    def of(cls, full: SurfaceMesh, *, keep_texture: bool = False) -> "OrderedSurface":
+        """Collapse and order a surface."""
+        if keep_texture:
+            drawn, contraction = contract_textured(full)
+            return cls(full, order_mesh(drawn.corner, contraction), drawn)
+        contraction = contract(full.positions[None], full.faces)
+        return cls(full, order_mesh(full.faces, contraction), None)
+
+    def extract(self, triangles: int) -> tuple[IntArray, IntArray, IntArray]:
+        """Return positions, part and texture coordinates of the corners of T triangles.
+
+        Shapes (T, 3), (T,), (T, 3), all rows of the full surface; T as `OrderedMesh.extract`.
+        """
+        rows = self.ordered.extract(triangles)
+        vertex = self.ordered.vertex_source[rows]
+        part = self.full.part[self.ordered.face_source[: len(rows)]]
+        if self.drawn is not None:
+            return self.drawn.position[vertex], part, self.drawn.uv_index[vertex]
+        return vertex, part, carry_uv(self.full, self.full.positions, vertex, part)
+
+
+def build_continuous(
+    surface: OrderedSurface, options: KnotOptions, sampling: Sampling
+) -> TypeModel:
+    """Return the knots of an ordered surface, each extracted from it and measured against it.
+
+    The error of a knot is measured, then raised to that of the finer knot if it is below.
+    """
+    full = surface.full
+    meter = ErrorMeter(full.positions, full.faces, sampling)
+    meshes = [level_mesh(full, full.positions, full.faces, full.part, full.uv_index)]
+    errors = [0.0]
+    for count in _knot_counts(surface.ordered, options)[1:]:
+        faces, part, uv_index = surface.extract(int(count))
+        meshes.append(level_mesh(full, full.positions, faces, part, uv_index))
+        errors.append(max(errors[-1], meter.error_m(full.positions, faces)))
+    counts = np.stack([level_counts(full, mesh) for mesh in meshes])
+    return TypeModel(full.name, tuple(meshes), counts, np.array(errors), continuous=True)
+
+
+def _knot_counts(ordered: OrderedMesh, options: KnotOptions) -> IntArray:
+    """Return distinct numbers of triangles that can be had, falling."""
+    least, full = int(ordered.faces_after[-1]), int(ordered.faces_after[0])
+    end = min(max(least, options.min_triangles), full)
+    wanted: FloatArray = np.geomspace(full, end, options.knots)
+    steps = [ordered.step_of(int(count)) for count in np.clip(np.round(wanted), least, full)]
+    return ordered.faces_after[np.unique(steps)]
