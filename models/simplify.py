@@ -8,9 +8,8 @@ import numpy as np
 from ..errors import InputError
 from .arrays import FloatArray, IntArray
 from .attributes import carry_parts, carry_uv
-from .geometry import LevelMesh
+from .level_mesh import level_counts, level_mesh
 from .mesh_error import ErrorMeter, Sampling
-from .predictors import LEVEL_PREDICTORS
 from .surface_mesh import SurfaceMesh
 from .type_model import TypeModel
 
@@ -51,7 +50,7 @@ def build_chain(full: SurfaceMesh, options: ChainOptions, sampling: Sampling) ->
     removing triangles (a level must have at most 0.95 of the finer one's).  The error of a level
     is measured, then raised to that of the finer level if sampling put it below.
     """
-    meshes = [_drawn(full, full.positions, full.faces, full.part, full.uv_index)]
+    meshes = [level_mesh(full, full.positions, full.faces, full.part, full.uv_index)]
     errors = [0.0]
     meter = ErrorMeter(full.positions, full.faces, sampling)
     for level in range(1, options.levels):
@@ -62,9 +61,11 @@ def build_chain(full: SurfaceMesh, options: ChainOptions, sampling: Sampling) ->
         if not 0 < len(faces) <= 0.95 * len(meshes[-1].faces):
             break
         part = carry_parts(full, positions, faces)
-        meshes.append(_drawn(full, positions, faces, part, carry_uv(full, positions, faces, part)))
+        meshes.append(
+            level_mesh(full, positions, faces, part, carry_uv(full, positions, faces, part))
+        )
         errors.append(max(errors[-1], meter.error_m(positions, faces)))
-    counts = np.stack([_counts(full, mesh) for mesh in meshes])
+    counts = np.stack([level_counts(full, mesh) for mesh in meshes])
     return TypeModel(full.name, tuple(meshes), counts, np.array(errors))
 
 
@@ -92,44 +93,3 @@ def simplify_surface(
     a, b, c = (points[simple[:, i]] for i in range(3))
     keep = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12 * size * size
     return points, simple[keep]
-
-
-def _drawn(
-    full: SurfaceMesh, positions: FloatArray, faces: IntArray, part: IntArray, uv_index: IntArray
-) -> LevelMesh:
-    """Return the buffers of a level: faces by part, a vertex for each position and coordinate."""
-    order = np.argsort(part, kind="stable")
-    faces, uv_index = faces[order], uv_index[order]
-    pairs = np.stack((faces.ravel(), uv_index.ravel()), axis=1)
-    vertex, index = np.unique(pairs, axis=0, return_inverse=True)
-    start = np.searchsorted(part[order], np.arange(len(full.textured) + 1))
-    return LevelMesh(
-        positions[vertex[:, 0]].astype(np.float32),
-        _normals(positions, faces)[vertex[:, 0]].astype(np.float32),
-        index.reshape(-1, 3).astype(np.int32),
-        start.astype(np.int32),
-        full.uv[vertex[:, 1]].astype(np.float32) if full.has_uv else None,
-    )
-
-
-def _normals(positions: FloatArray, faces: IntArray) -> FloatArray:
-    """Return unit normals of vertices, weighted by area; zero where the faces cancel."""
-    a, b, c = (positions[faces[:, i]] for i in range(3))
-    area = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    total = np.zeros_like(positions)
-    np.add.at(total, faces.ravel(), area)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
-
-
-def _counts(full: SurfaceMesh, mesh: LevelMesh) -> FloatArray:
-    """Return the counts of a level in the order of `LEVEL_PREDICTORS`."""
-    sizes = np.diff(mesh.part_start)
-    values = {
-        "draw_calls": np.count_nonzero(sizes),
-        "vertices": len(mesh.vertices),
-        "triangles": len(mesh.faces),
-        "textured_triangles": sizes[full.textured].sum(),
-        "texture_bytes": full.texture_bytes,
-    }
-    return np.array([float(values.get(name, 0.0)) for name in LEVEL_PREDICTORS])
