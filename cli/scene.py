@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
+    from rich.table import Table
+
     from ..models.build import PlacementOptions
+    from ..models.continuous.knots import KnotOptions
     from ..models.mesh_types import MeshUnits
     from ..models.scene import Scene
     from ..models.scene_file import SceneOrigin
     from ..models.simplify import ChainOptions
     from ..models.type_model import TypeModel
+
+_MOST_TYPES = 64  # in a table; --json has them all
+_READERS = ("3d-tiles", "gltf")
 
 app = typer.Typer(
     name="scene", help="Build scenes from meshes, and look at them.", no_args_is_help=True
@@ -35,6 +41,13 @@ def build(
     levels: Annotated[int, typer.Option(help="Levels at most, the full mesh included.")] = 8,
     ratio: Annotated[float, typer.Option(help="Triangles of a level over the finer one's.")] = 0.5,
     min_triangles: Annotated[int, typer.Option(help="No level aims lower.")] = 32,
+    continuous: Annotated[
+        bool, typer.Option(help="Continuous types: knots of an ordered mesh, not levels.")
+    ] = False,
+    knots: Annotated[int, typer.Option(help="Knots at most, if continuous.")] = 12,
+    keep_texture: Annotated[
+        bool, typer.Option(help="Hold texture seams in place, if continuous.")
+    ] = False,
     spacing_m: Annotated[float, typer.Option(help="Free space between bounding spheres.")] = 1.0,
     side_m: Annotated[
         float | None, typer.Option(help="Side of the square; else as large as needed.")
@@ -53,6 +66,7 @@ def build(
 
     from ..errors import InputError
     from ..models.build import PlacementOptions, build_scene
+    from ..models.continuous.knots import KnotOptions
     from ..models.mesh_types import MeshUnits
     from ..models.scene_catalog import SUFFIX
     from ..models.scene_file import write_scene
@@ -65,7 +79,9 @@ def build(
     if seed < 0:
         raise InputError(f"seed: expected an integer >= 0, got {seed}")
     units = MeshUnits(up=up, height_m=height_m, unit_m=unit_m)
-    chain = ChainOptions(levels=levels, ratio=ratio, min_triangles=min_triangles)
+    detail: ChainOptions | KnotOptions = ChainOptions(levels, ratio, min_triangles)
+    if continuous:
+        detail = KnotOptions(knots, min_triangles, keep_texture)
     placement = PlacementOptions(
         layout=layout,
         count=count,
@@ -74,9 +90,9 @@ def build(
         scale_variation=scale_variation,
         random_yaw=random_yaw,
     )
-    models = _read_types(meshes, units, chain)
+    models = _read_types(meshes, units, detail)
     scene, geometry = build_scene(out.stem, models, placement, np.random.default_rng(seed))
-    origin = _origin(meshes, seed, units, chain, placement)
+    origin = _origin(meshes, seed, units, detail, placement)
     write_scene(out, scene, geometry, origin)
     _show("lodbench.scene-build/1", str(out), scene, origin, as_json=as_json)
 
@@ -84,22 +100,24 @@ def build(
 @app.command()
 def info(
     scene: Annotated[
-        str, typer.Argument(metavar="SCENE", help="A bundled scene's name, or a scene file.")
+        str,
+        typer.Argument(
+            metavar="SCENE", help="A bundled scene's name, a scene file, a tileset.json, or glTF."
+        ),
     ],
     *,
     as_json: Json = False,
 ) -> None:
     """Show types, levels of detail with their errors, objects and extent."""
-    from ..models.scene_catalog import list_bundled_scenes, load_scene
-    from ..models.scene_file import SceneOrigin, read_origin
+    from ..models.scene_catalog import open_scene
 
-    loaded = load_scene(scene)
-    bundled = scene in list_bundled_scenes()
-    origin = SceneOrigin("bundled") if bundled else read_origin(Path(scene))
-    _show("lodbench.scene-info/1", scene, loaded, origin, as_json=as_json)
+    opened = open_scene(scene)
+    _show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
 
 
-def _read_types(meshes: list[Path], units: "MeshUnits", chain: "ChainOptions") -> "list[TypeModel]":
+def _read_types(
+    meshes: list[Path], units: "MeshUnits", detail: "ChainOptions | KnotOptions"
+) -> "list[TypeModel]":
     """Return the types, with a progress bar on stderr where that is a terminal."""
     from rich.console import Console
     from rich.progress import track
@@ -110,7 +128,7 @@ def _read_types(meshes: list[Path], units: "MeshUnits", chain: "ChainOptions") -
     console = Console(stderr=True)
     return list(
         track(
-            read_types(meshes, units, chain, Sampling()),
+            read_types(meshes, units, detail, Sampling()),
             description="levels of detail",
             total=len(meshes),
             console=console,
@@ -124,7 +142,7 @@ def _origin(
     meshes: list[Path],
     seed: int,
     units: "MeshUnits",
-    chain: "ChainOptions",
+    detail: "ChainOptions | KnotOptions",
     placement: "PlacementOptions",
 ) -> "SceneOrigin":
     from dataclasses import asdict
@@ -132,7 +150,7 @@ def _origin(
     from .. import __version__
     from ..models.scene_file import SceneOrigin
 
-    options = {"seed": seed, **asdict(units), **asdict(chain), **asdict(placement)}
+    options = {"seed": seed, **asdict(units), **asdict(detail), **asdict(placement)}
     sources = tuple(path.name for path in meshes)
     return SceneOrigin(f"lodbench {__version__}", sources, options)
 
@@ -149,6 +167,41 @@ def _show(schema: str, spec: str, scene: "Scene", origin: "SceneOrigin", *, as_j
 
 def _print(record: dict[str, Any]) -> None:
     from rich.console import Console
+
+    console = Console()
+    if record["depths"]:
+        console.print(_depth_table(record))
+    if len(record["types"]) <= _MOST_TYPES:
+        console.print(_type_table(record))
+    center = ", ".join(f"{value:.1f}" for value in record["extent"]["center_m"])
+    size = " by ".join(f"{value:.1f}" for value in record["extent"]["size_m"])
+    lines = [
+        (
+            f"{record['objects']:,} objects, {record['moving']:,} moving; "
+            f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})"
+        )
+    ]
+    options = record["origin"]["options"]
+    if record["origin"]["tool"] in _READERS:  # what was read, and what was not
+        lines.append(", ".join(f"{key.replace('_', ' ')}: {options[key]}" for key in options))
+    for line in lines:
+        console.print(line, highlight=False, soft_wrap=True)
+
+
+def _depth_table(record: dict[str, Any]) -> "Table":
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(f"{record['scene']}: nodes by depth"))
+    for name in ("depth", "nodes", "leaves", "triangles", "greatest error m"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for row in record["depths"]:
+        numbers = (f"{row[name]:,}" for name in ("depth", "nodes", "leaves", "triangles"))
+        table.add_row(*numbers, f"{row['error_m_max']:.3g}")
+    return table
+
+
+def _type_table(record: dict[str, Any]) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
@@ -168,13 +221,4 @@ def _print(record: dict[str, Any]) -> None:
                 f"{level['bytes'] / 1024:,.1f}",
                 end_section=number == len(kind["levels"]) - 1,
             )
-    console = Console()
-    console.print(table)
-    center = ", ".join(f"{value:.1f}" for value in record["extent"]["center_m"])
-    size = " by ".join(f"{value:.1f}" for value in record["extent"]["size_m"])
-    console.print(
-        f"{record['objects']:,} objects, {record['moving']:,} moving; "
-        f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})",
-        highlight=False,
-        soft_wrap=True,
-    )
+    return table

@@ -13,7 +13,9 @@ __all__ = ["pack_geometry", "unpack_geometry"]
 
 
 def pack_geometry(geometry: Geometry) -> dict[str, NDArray[Any]]:
-    """Return the meshes as concatenated arrays with the row at which each mesh starts."""
+    """Return the meshes as concatenated arrays with the row at which each mesh starts; or none."""
+    if not geometry:
+        return {}
     with_uv = [mesh.uv for mesh in geometry if mesh.uv is not None]
     return {
         "geometry/vertex_start": _starts([len(mesh.vertices) for mesh in geometry]),
@@ -33,13 +35,15 @@ def _starts(lengths: list[int]) -> NDArray[np.int64]:
 
 
 def unpack_geometry(archive: ArrayArchive, levels: int) -> Geometry:
-    """Return the meshes of an archive, one for each level.
+    """Return the meshes of an archive, one for each level; nothing if it has no geometry.
 
     Raises
     ------
     InputError
         If an array is missing or damaged, or an index or a row is out of range.
     """
+    if "geometry/vertex_start" not in archive:
+        return ()
     vertices = _split(archive, "vertices", "vertex_start", np.float32, levels)
     normals = _split(archive, "normals", "vertex_start", np.float32, levels)
     faces = _split(archive, "faces", "face_start", np.int32, levels)

@@ -1,18 +1,36 @@
-"""Scenes by name: the bundled ones, or any scene file."""
+"""Scenes by name or by file: the bundled ones, scene files, 3D Tiles tilesets and glTF."""
 
 import difflib
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
+from .geometry import Geometry
 from .plaza import build_plaza
 from .scene import Scene
-from .scene_file import read_scene
+from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
 
-__all__ = ["SUFFIX", "list_bundled_scenes", "load_scene"]
+__all__ = ["SUFFIX", "OpenedScene", "list_bundled_scenes", "load_scene", "open_scene"]
 
 SUFFIX = ".lodscene"
 
 _BUNDLED = {"plaza": build_plaza}
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedScene:
+    """A scene, where it comes from, and how to get the meshes of its levels.
+
+    Attributes
+    ----------
+    read_geometry : callable
+        Returns one mesh for each row of the level table, or none where the source has none.
+    """
+
+    scene: Scene
+    origin: SceneOrigin
+    read_geometry: Callable[[], Geometry]
 
 
 def list_bundled_scenes() -> tuple[str, ...]:
@@ -21,7 +39,15 @@ def list_bundled_scenes() -> tuple[str, ...]:
 
 
 def load_scene(spec: str) -> Scene:
-    """Return the bundled scene of that name, or the one in the file of that path.
+    """Return the scene that `open_scene` opens; raises InputError as that does."""
+    return open_scene(spec).scene
+
+
+def open_scene(spec: str) -> OpenedScene:
+    """Open the bundled scene of that name, or the file of that path.
+
+    ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, anything else is a scene
+    file.
 
     Raises
     ------
@@ -29,13 +55,34 @@ def load_scene(spec: str) -> Scene:
         If there is neither, with the nearest bundled name; or if the file is not a scene.
     """
     if spec in _BUNDLED:
-        return _BUNDLED[spec]()[0]
+        scene, geometry = _BUNDLED[spec]()
+        return OpenedScene(scene, SceneOrigin("bundled"), lambda: geometry)
     path = Path(spec)
-    if path.suffix == SUFFIX or path.is_file():
-        return read_scene(path)
+    suffix = path.suffix.lower()
+    if suffix == ".json":
+        return _open_tileset(path)
+    if suffix in (".gltf", ".glb"):
+        return _open_gltf(path)
+    if suffix == SUFFIX or path.is_file():
+        return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()
     near = difflib.get_close_matches(spec, names, n=1)
     hint = f"did you mean {near[0]}?" if near else "name one or give a path"
     raise InputError(
-        f"scene: expected one of {', '.join(names)} or a {SUFFIX} file, got {spec}; {hint}"
+        f"scene: expected one of {', '.join(names)} or a file ({SUFFIX}, tileset.json, .gltf, "
+        f".glb), got {spec}; {hint}"
     )
+
+
+def _open_tileset(path: Path) -> OpenedScene:
+    from .tiles.tileset import read_tileset
+
+    scene, origin = read_tileset(path)
+    return OpenedScene(scene, origin, tuple)
+
+
+def _open_gltf(path: Path) -> OpenedScene:
+    from .gltf_lod import read_gltf_scene
+
+    scene, geometry, origin = read_gltf_scene(path)
+    return OpenedScene(scene, origin, lambda: geometry)

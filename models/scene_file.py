@@ -81,17 +81,17 @@ class _Header:
 def write_scene(
     path: Path, scene: Scene, geometry: Geometry, origin: SceneOrigin | None = None
 ) -> None:
-    """Write a scene and its geometry; the same scene gives the same bytes.
+    """Write a scene and its geometry, which may be empty; the same scene gives the same bytes.
 
     The cost model that a scene may carry is not part of the file.
 
     Raises
     ------
     InputError
-        If the geometry is not one mesh for each row of the level table.
+        If there is geometry that is not one mesh for each row of the level table.
     """
     rows = len(scene.types.levels.error_m)
-    if len(geometry) != rows:
+    if len(geometry) not in (0, rows):
         raise InputError(f"geometry: expected {rows} meshes as levels, got {len(geometry)}")
     header = _Header(
         SCHEMA, scene.name, scene.types.names, LEVEL_PREDICTORS, origin or SceneOrigin()
@@ -130,7 +130,13 @@ def read_origin(path: Path) -> SceneOrigin:
 
 
 def read_geometry(path: Path) -> Geometry:
-    """Read the mesh of each row of the level table; raises InputError as `read_scene`."""
+    """Read the mesh of each row of the level table, or none if the file has no geometry.
+
+    Raises
+    ------
+    InputError
+        As `read_scene`.
+    """
     with ArrayArchive(path) as archive:
         _read_header(archive)
         levels = len(archive.array("levels/error_m", np.float64, 1))

@@ -158,3 +158,30 @@ def test_a_damaged_scene_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtu
     path.write_bytes(b"\x00\xff" * 99)
     assert run(["scene", "info", str(path)]) == 2
     assert capsys.readouterr().err.startswith(f"error: {path}: expected a zip archive")
+
+
+def test_info_of_a_tileset(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A tileset is shown by depth, with what was read of it and what was not."""
+    ball = {"sphere": [0, 0, 0, 10]}
+    leaf = {"boundingVolume": ball, "content": {"uri": "gone.b3dm"}}
+    root = {"boundingVolume": ball, "geometricError": 5, "refine": "ADD", "children": [leaf, leaf]}
+    path = tmp_path / "tileset.json"
+    path.write_text(json.dumps({"asset": {"version": "1.1"}, "root": root}), encoding="utf-8")
+    assert run(["scene", "info", str(path), "--json"]) == 0
+    shown = document(capsys)
+    assert [depth["nodes"] for depth in shown["depths"]] == [1, 2]
+    assert [depth["error_m_max"] for depth in shown["depths"]] == [5.0, 0.0]
+    assert run(["scene", "info", str(path)]) == 0
+    table = capsys.readouterr().out
+    assert "nodes by depth" in table
+    assert "contents missing: 2" in table
+    assert "errors missing read as 0: 2" in table
+
+
+def test_full_detail_is_what_the_leaves_draw(capsys: pytest.CaptureFixture[str]) -> None:
+    """In a flat scene that is every object at its finest level."""
+    assert run(["scene", "info", "plaza", "--json"]) == 0
+    shown = document(capsys)
+    finest = sum(kind["objects"] * kind["levels"][0]["triangles"] for kind in shown["types"])
+    assert shown["triangles"] == finest
+    assert shown["depths"] == []

@@ -334,3 +334,10 @@ def good_bytes(
     path = tmp_path_factory.mktemp("good") / "good.lodscene"
     write_scene(path, ball_scene[0], (triangle,) * 5)
     return path.read_bytes()
+
+
+def test_scenes_may_have_no_geometry(ball_scene: tuple[Scene, Geometry], tmp_path: Path) -> None:
+    """A scene without meshes, as of a tileset, is written and read; its geometry is empty."""
+    write_scene(tmp_path / "bare.lodscene", ball_scene[0], ())
+    assert len(read_scene(tmp_path / "bare.lodscene")) == 20
+    assert read_geometry(tmp_path / "bare.lodscene") == ()

@@ -1,0 +1,1 @@
+"""3D Tiles tilesets as hierarchical scenes."""

@@ -1,0 +1,130 @@
+"""A 3D Tiles tileset as a hierarchical scene.
+
+A tile is a node with a type of its own: its bounding sphere, its geometric error, and what its
+content draws.  Tiles whose content is missing or of a format that is not read draw nothing; how
+many they are stands in the origin.  A tileset about the Earth is brought into the plane that
+touches it there: x east, y north, z up.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ..arrays import FloatArray
+from ..levels import LevelTable
+from ..predictors import LEVEL_PREDICTORS
+from ..scene import ObjectTypes, Scene
+from ..scene_file import SceneOrigin
+from .content import count_content
+from .tile_walk import TileTable, walk_tileset
+from .volumes import bounding_spheres
+
+__all__ = ["read_tileset"]
+
+_EARTH_M = (6_300_000.0, 6_500_000.0)  # distances from the Earth's centre that mean its surface
+_MAX_DISTANCE_M = 1e9  # as in scene files
+_LEAST_RADIUS_M = 1e-3  # of a volume without extent, so that it has a size at all
+
+
+def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
+    """Read a ``tileset.json`` with the tilesets and contents that lie in its folder.
+
+    A `geometricError` that is missing is read as 0.
+
+    Raises
+    ------
+    InputError
+        As `walk_tileset`; or if a volume is out of range.
+    """
+    table = walk_tileset(path)
+    transform = np.stack(table.matrices)[table.transform]
+    numbers = np.array(table.numbers)
+    with np.errstate(over="ignore", invalid="ignore"):  # found by the check, which says it better
+        center, radius = bounding_spheres(np.array(table.kind), numbers, transform)
+        farthest = float(np.abs(center).max() + radius.max())
+    if not farthest <= _MAX_DISTANCE_M:
+        raise InputError(f"bounding volumes: expected within 1e9 m, got {farthest:g} m", path=path)
+    error = np.array(table.error)
+    # A transform scales errors too (3D Tiles 1.1, section 6.7.4).
+    error *= np.linalg.norm(transform[:, :3, :3], axis=1).max(axis=1)
+    on_earth = _EARTH_M[0] <= np.linalg.norm(center[0]) <= _EARTH_M[1]
+    if on_earth:
+        center = _to_tangent_plane(center)
+    counts, size, read, absent = _contents(table)
+    name = path.parent.resolve().name if path.stem == "tileset" else path.stem
+    scene = _scene(name, table, center, np.maximum(radius, _LEAST_RADIUS_M), error, counts, size)
+    contents = sum(map(len, table.files))
+    return scene, SceneOrigin(
+        "3d-tiles",
+        (path.name,),
+        {
+            "tiles": len(table),
+            "tilesets": table.tilesets,
+            "contents": contents,
+            "contents_read": read,
+            "contents_missing": absent,
+            "contents_of_other_formats": contents - read - absent,
+            "errors_missing_read_as_0": int(np.isnan(error).sum()),
+            "request_volumes_ignored": table.request_volumes,
+            "frame": "east-north-up" if on_earth else "as in the file",
+        },
+    )
+
+
+def _contents(table: TileTable) -> tuple[FloatArray, FloatArray, int, int]:
+    """Return counts (n, P) and bytes (n,) of tiles, and how many contents were read and absent."""
+    counts, size = np.zeros((len(table), len(LEVEL_PREDICTORS))), np.zeros(len(table))
+    known: dict[Path, FloatArray | None] = {}
+    read = absent = 0
+    for row, files in enumerate(table.files):
+        for path in files:
+            if path is None:
+                absent += 1
+                continue
+            size[row] += path.stat().st_size
+            if path not in known:
+                known[path] = count_content(path)
+            drawn = known[path]
+            if drawn is not None:
+                counts[row] += drawn
+                read += 1
+    return counts, size, read, absent
+
+
+def _to_tangent_plane(center: FloatArray) -> FloatArray:
+    """Return Earth-centred points east, north and up of the first one."""
+    up = center[0] / np.linalg.norm(center[0])
+    east = np.array((-up[1], up[0], 0.0))
+    length = float(np.linalg.norm(east))
+    east = east / length if length > 0.0 else np.array((0.0, 1.0, 0.0))  # at a pole
+    axes = np.stack((east, np.cross(up, east), up))
+    return (center - center[0]) @ axes.T
+
+
+def _scene(
+    name: str,
+    table: TileTable,
+    center: FloatArray,
+    radius: FloatArray,
+    error: FloatArray,
+    counts: FloatArray,
+    size: FloatArray,
+) -> Scene:
+    n = len(table)
+    levels = LevelTable(
+        np.arange(n + 1), counts, np.nan_to_num(error), size, np.zeros(n, dtype=np.bool_)
+    )
+    names = tuple(f"tile-{i}" for i in range(n))
+    still: dict[str, Any] = {"scale": np.ones(n), "importance": np.ones(n)}
+    return Scene(
+        name,
+        ObjectTypes(names, np.zeros((n, 3)), radius, levels),
+        np.arange(n),
+        center,
+        np.broadcast_to((0.0, 0.0, 0.0, 1.0), (n, 4)),
+        parent=np.array(table.parent),
+        additive=np.array(table.additive),
+        **still,
+    )
