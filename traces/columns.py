@@ -106,11 +106,22 @@ def find_columns(
         found.append(Column(name, header.index(source), source, unit))
         if len(sources) > 1:
             notes.append(f"{name} is {source}; {', '.join(sources[1:])} left aside")
+    found += _of_types(header)
     if not any(column.name in TIMES for column in found):
         shown = ", ".join(header[:40]) + (", …" if len(header) > 40 else "")
         message = f"expected a column with a time ({', '.join(TIMES)}), got {shown}"
         raise InputError(f"{message}; map one, such as gpu_ms=NAME", path=path, line=line)
     return tuple(found), tuple(notes)
+
+
+def _of_types(header: Sequence[str]) -> list[Column]:
+    """Return columns that hold one type's part of a count, such as ``triangles[tree]``."""
+    counts = (*GPU_COUNTS, *CPU_COUNTS)
+    return [
+        Column(name, index, name, "")
+        for index, name in enumerate(header)
+        if name.endswith("]") and name.partition("[")[0] in counts and header.count(name) == 1
+    ]
 
 
 def _require_known(

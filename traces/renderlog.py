@@ -84,7 +84,8 @@ class RenderLog:
     ----------
     name : what tables call it
     format : the format it was read as
-    predictors : names of P columns, each of `GPU_COUNTS` or `CPU_COUNTS`
+    predictors : names of P columns, each of `GPU_COUNTS` or `CPU_COUNTS`, or one type's part of
+        it, such as ``triangles[tree]``
     counts : (n, P) float64, NaN where the file has none
     frame_ms, gpu_ms, cpu_ms : (n,) float64 or None, NaN where the file has none
     time_s : (n,) float64 or None
@@ -112,7 +113,8 @@ class RenderLog:
             values = getattr(self, name)
             if values is not None:
                 put(self, name, _read_only(values, (frames,), name))
-        unknown = [name for name in self.predictors if name not in (*GPU_COUNTS, *CPU_COUNTS)]
+        known = (*GPU_COUNTS, *CPU_COUNTS)
+        unknown = [name for name in self.predictors if name.partition("[")[0] not in known]
         if unknown or len(set(self.predictors)) != width:
             raise InputError(f"render log: expected distinct known predictors, got {unknown}")
         if frames == 0:

@@ -126,3 +126,14 @@ def test_no_alias_stands_for_two_names():
     """The table is a function from alias to name."""
     aliases = [alias for group in ALIASES.values() for alias in group]
     assert len(aliases) == len(set(aliases))
+
+
+def test_counts_of_one_type_are_columns_of_their_own(tmp_path: Path):
+    """``triangles[tree]`` is a predictor beside ``triangles``; an unknown count is not."""
+    header = ["gpu_ms", "triangles", "triangles[tree]", "mood[tree]"]
+    columns, _ = find_columns(header, None, path=tmp_path, line=1)
+    assert [(column.name, column.index) for column in columns] == [
+        ("triangles", 1),
+        ("gpu_ms", 0),
+        ("triangles[tree]", 2),
+    ]
