@@ -3,8 +3,9 @@
 What a cost model misses changes slowly with the view, so successive frames err alike; and no noise
 is quite Student's t.  A likelihood that multiplies frames as if they were independent and its noise
 true is too sure of itself.  It is therefore raised to a power, the worth of a frame: the magnitude
-adjustment of composite likelihoods (Pauli, Racugno, Ventura, Statistica Sinica 21, 2011), the number
-of coefficients over the trace of ``H⁻¹ J``, H the curvature and J the long-run variance of scores.
+adjustment of composite likelihoods (Pauli, Racugno, Ventura, Statistica Sinica 21, 2011), the
+number of coefficients over the trace of ``H⁻¹ J``, H the curvature and J the long-run variance of
+the scores.
 """
 
 from typing import Any

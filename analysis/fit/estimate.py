@@ -11,7 +11,7 @@ from ...errors import InputError
 from ...models.arrays import FloatArray
 from .dependence import frame_worth
 from .design import Design, design_of
-from .likelihood import GaussianLikelihood, Likelihood, StudentLikelihood
+from .likelihood import GaussianLikelihood, Likelihood, QuadraticLikelihood, StudentLikelihood
 from .optimum import highest, quadratic, starts
 from .posterior import LogPosterior
 from .predictive import Draws
@@ -45,6 +45,15 @@ class Estimate:
     def draws(self) -> Draws:
         """Samples for predictions, thinned."""
         return Draws(self.chain.names, self.chain.thinned(_KEPT), self.posterior.priors.mean_ms)
+
+    @property
+    def likelihood_is(self) -> str:
+        """How the likelihood visits the frames, in words."""
+        if isinstance(self.posterior.likelihood, QuadraticLikelihood):
+            return "all frames to second order about the optimum"
+        if isinstance(self.posterior.likelihood, GaussianLikelihood) and self.design.linear:
+            return "sufficient statistics of all frames"
+        return "every frame"
 
     @property
     def coefficients_ms(self) -> FloatArray:

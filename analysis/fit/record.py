@@ -29,6 +29,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "rows": len(found.sample),
         "rows_rejected": sum(rejection.count for rejection in fit.rejected),
         "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
+        "likelihood": found.likelihood_is,
         "rows_worth": found.posterior.worth * len(found.sample),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {

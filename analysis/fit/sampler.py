@@ -125,7 +125,8 @@ def sample(
             progress(steps, min(wanted, options.max_steps))
     whole: Any = backend.get_chain(discard=int(_BURN_IN * steps))
     chain = np.asarray(whole, dtype=np.float64)
-    acceptance = float(np.mean(backend.accepted)) / steps
+    accepted: Any = backend.accepted
+    acceptance = float(np.asarray(accepted, dtype=np.float64).mean()) / steps
     return Chain(posterior.likelihood.names, chain, acceptance, _tau(chain))
 
 

@@ -89,7 +89,8 @@ def _sampling(record: dict[str, Any]) -> Iterator[str]:
         f"sampling: {item['steps']} steps of {item['walkers']} walkers, acceptance "
         f"{item['acceptance']:.2f}, autocorrelation time {item['autocorr_time']:.0f} steps "
         f"({item['lengths']:.0f} lengths), effective samples {item['ess']:.0f}, split R-hat "
-        f"{item['r_hat']:.3f}; condition number {record['condition_number']:.3g}"
+        f"{item['r_hat']:.3f}; likelihood from {record['likelihood']}; condition number "
+        f"{record['condition_number']:.3g}"
     )
     yield "posterior predictive checks (measured, simulated, share of simulated above):"
     for check in record["predictive_checks"]:
