@@ -218,7 +218,8 @@ def arrow_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray | None:
         rows: Any = arrow_csv.read_csv(
             source,
             read_options=arrow_csv.ReadOptions(column_names=names),
-            parse_options=arrow_csv.ParseOptions(delimiter=table.delimiter),
+            # A stray quote would join rows; the exact way reads what is quoted.
+            parse_options=arrow_csv.ParseOptions(delimiter=table.delimiter, quote_char=False),
             convert_options=arrow_csv.ConvertOptions(
                 include_columns=wanted,
                 column_types=dict.fromkeys(wanted, pa.float64()),
