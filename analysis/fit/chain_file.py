@@ -55,9 +55,9 @@ def load_chain(path: Path, identity: str) -> Any:
     if not path.exists():
         return backend
     try:
-        with np.load(path, allow_pickle=False) as file:
-            held = {key: file[key] for key in _KEYS}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            held = {key: arrays[key] for key in _KEYS}
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         message = "expected a chain that `lodbench fit --resume` wrote, got another kind of file"
         raise InputError(f"{message}; name another", path=path) from error
     if str(held["identity"]) != identity:
