@@ -75,7 +75,7 @@ def hull_increments(cost: FloatArray, benefit: FloatArray) -> Increments:
     n, choices = cost.shape
     cheapest = cost.min(axis=1, keepdims=True)
     base: IntArray = np.where(cost == cheapest, benefit, -np.inf).argmax(axis=1)
-    everyone: IntArray = np.arange(n)
+    everyone = np.arange(n, dtype=np.int32)
     edges: list[tuple[IntArray, IntArray]] = [(everyone, base)]
     for _ in range(choices - 1):
         owner, column = _steepest(cost, benefit, *edges[-1])

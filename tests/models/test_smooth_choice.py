@@ -44,9 +44,10 @@ def test_agrees_with_ipopt(seed: int) -> None:
     """On random continuous objects the benefit is that of casadi's interior point solver."""
     rng = np.random.default_rng(seed)
     n = 12
-    weight, high = rng.uniform(1.0, 100.0, n), rng.uniform(50.0, 500.0, n)
+    weight = rng.uniform(1.0, 100.0, size=(n,))
+    high = rng.uniform(50.0, 500.0, size=(n,))
     low = high * 0.1
-    budget = float(rng.uniform(low.sum(), high.sum()))
+    budget = float(np.sum(low + rng.random() * (high - low)))
     choice = problem(weight.tolist(), np.stack((high, low), axis=1).tolist(), [True] * n)
     best, bound = choice.within(budget)
     x = ca.SX.sym("x", n)
