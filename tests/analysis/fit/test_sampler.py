@@ -94,7 +94,9 @@ def test_plain_emcee_finds_the_same_posterior(make_sample: MakeSample):
     tau = float(sampler.get_autocorr_time(discard=600, tol=0).max())
     error = np.sqrt(tau / len(theirs) + ours.tau.max() / len(ours.flat))
     deviation = theirs.std(axis=0)
-    assert np.abs(ours.flat.mean(axis=0) - theirs.mean(axis=0)).max() < (5 * error * deviation).max()
+    assert (
+        np.abs(ours.flat.mean(axis=0) - theirs.mean(axis=0)).max() < (5 * error * deviation).max()
+    )
     assert ours.flat.std(axis=0) / deviation == pytest.approx(np.ones(6), abs=6.0 * error)
 
 
