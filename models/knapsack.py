@@ -16,6 +16,7 @@ from .arrays import BoolArray, FloatArray, IntArray
 __all__ = [
     "Choice",
     "Increments",
+    "affordable",
     "best_single",
     "hull_increments",
     "relaxed_bound",
@@ -64,6 +65,18 @@ class Choice:
     cost: float
     benefit: float
     taken: BoolArray
+
+
+def affordable(cost: FloatArray, budget: float) -> FloatArray:
+    """Return costs without the choices that no selection within the budget can hold.
+
+    These are the ones that do not fit even with every other object at its cheapest.  They must go
+    before the hull is built: a vertex that can never be taken hides those below the edge to it, and
+    the greedy pass loses its bound of one half.
+    """
+    cheapest = cost.min(axis=1, keepdims=True)
+    left = budget - float(cheapest.sum())
+    return np.where((cost - cheapest <= left) | (cost == cheapest), cost, np.inf)
 
 
 def hull_increments(cost: FloatArray, benefit: FloatArray) -> Increments:
@@ -174,8 +187,9 @@ def best_single(
 ) -> tuple[IntArray, float]:
     """Return columns and benefit of the base with the one change that fits and gains most.
 
-    The better of this and `take_increments` has at least half of the optimum's gain over the base:
-    what the pass took and the increment that did not fit together exceed the relaxation's gain.
+    Of `affordable` choices the better of this and `take_increments` has at least half of the
+    optimum's gain over the base: what the pass took and the increment that did not fit, which would
+    fit alone, together exceed the relaxation's gain.
     """
     rows = np.arange(len(increments.base))
     more_cost = cost - cost[rows, increments.base][:, None]

@@ -7,10 +7,16 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.arrays import FloatArray, IntArray
-from ..models.knapsack import best_single, hull_increments, take_increments
+from ..models.knapsack import (
+    affordable,
+    best_single,
+    hull_increments,
+    take_increments,
+)
 from ..models.scene import Scene
 from ..models.value_greedy import greedy_by_value, improve_incrementally
 from .choices import Choices, Offer, make_choices, require_costs
+from .claims import Claims
 from .protocol import Capabilities
 from .selection import Selection, Work
 from .view import View
@@ -63,6 +69,11 @@ class Funkhouser:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters: exchanges of large scenes take many frames."""
+        return Claims(budget=True, settles_frames=None if self.mode == "incremental" else 8)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the scene's levels."""
@@ -137,6 +148,7 @@ class Funkhouser:
         if self.mode == "incremental":
             start = np.where(last < 0, coarsest, last)
             return improve_incrementally(cost_ms, benefit, budget_ms, start, self.max_steps)
+        cost_ms = affordable(cost_ms, budget_ms)
         increments = hull_increments(cost_ms, benefit)
         choice = take_increments(increments, budget_ms, skip_misfits=self.misfit == "skip")
         single, single_benefit = best_single(cost_ms, benefit, increments, budget_ms)

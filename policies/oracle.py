@@ -7,10 +7,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.arrays import BoolArray, FloatArray, IntArray
-from ..models.knapsack import hull_increments, take_increments
+from ..models.knapsack import affordable, hull_increments, take_increments
 from ..models.scene import Scene
 from ..models.smooth_choice import SmoothChoice
 from .choices import LevelChoices, Offer
+from .claims import Claims
 from .protocol import Capabilities, Truth
 from .selection import Selection
 from .view import View
@@ -46,6 +47,7 @@ class Oracle:
     _choices: LevelChoices | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, future=True)
+    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Forget the last replay."""
@@ -72,7 +74,7 @@ class Oracle:
         if soft.any():
             best, _ = smooth_choice(offer, soft).within(budget_ms)
             return Selection(view.ids, self._choices.between(view, best.column, best.share))
-        increments = hull_increments(offer.cost_ms, offer.benefit)
+        increments = hull_increments(affordable(offer.cost_ms, budget_ms), offer.benefit)
         column = take_increments(increments, budget_ms, skip_misfits=True).column
         if len(column) <= self.exact_up_to:
             column = exact_choice(offer, budget_ms, column)

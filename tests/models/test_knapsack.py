@@ -12,6 +12,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 
 from lodbench.models.knapsack import (
     Choice,
+    affordable,
     best_single,
     hull_increments,
     relaxed_bound,
@@ -114,6 +115,7 @@ def test_choices_are_what_they_say_and_at_least_half_optimal(
     """Sums agree with columns, the budget holds, half the optimal gain is reached, bound holds."""
     cost, benefit, budget = instance
     rows = np.arange(len(cost))
+    cost = affordable(cost, budget)
     increments = hull_increments(cost, benefit)
     single, single_benefit = best_single(cost, benefit, increments, budget)
     assert single_benefit == pytest.approx(benefit[rows, single].sum())
@@ -128,6 +130,17 @@ def test_choices_are_what_they_say_and_at_least_half_optimal(
         base = increments.base_benefit
         assert 2.0 * (best - base) >= optimum - base - 1e-9
     assert relaxed_bound(increments, budget) >= optimum - 1e-9
+
+
+def test_a_vertex_that_can_never_be_taken_must_not_hide_those_below_it() -> None:
+    """Three objects at (33, 25) are optimal within 99.9, but lie below the edge to (100, 99)."""
+    cost = np.tile([100.0, 33.0, 1.0, 0.0], (3, 1))
+    benefit = np.tile([99.0, 25.0, 1.0, 0.0], (3, 1))
+    hidden = hull_increments(cost, benefit)
+    assert take_increments(hidden, 99.9, skip_misfits=True).benefit == 3.0
+    assert best_single(cost, benefit, hidden, 99.9)[1] == 25.0
+    seen = hull_increments(affordable(cost, 99.9), benefit)
+    assert take_increments(seen, 99.9, skip_misfits=True).benefit == 75.0
 
 
 @given(instances())
