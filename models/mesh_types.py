@@ -10,9 +10,10 @@ from ..errors import InputError
 from .mesh_error import Sampling
 from .mesh_file import load_mesh
 from .simplify import ChainOptions, build_chain
+from .surface_mesh import SurfaceMesh
 from .type_model import TypeModel
 
-__all__ = ["MeshUnits", "read_types"]
+__all__ = ["MeshUnits", "read_surface", "read_types"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,16 @@ class MeshUnits:
                 raise InputError(f"{name}: expected metres above 0 to 1e6, got {value}")
 
 
+def read_surface(path: Path, units: MeshUnits) -> SurfaceMesh:
+    """Return the mesh of a file in metres, z up, standing on the ground; raises InputError."""
+    mesh = load_mesh(path)
+    height = units.height_m if units.unit_m is None else None
+    try:
+        return mesh.standing(y_up=units.up == "y", height_m=height, unit_m=units.unit_m or 1.0)
+    except InputError as error:
+        raise InputError(error.message, path=path) from error
+
+
 def read_types(
     paths: Iterable[Path], units: MeshUnits, chain: ChainOptions, sampling: Sampling
 ) -> Iterator[TypeModel]:
@@ -51,12 +62,5 @@ def read_types(
         If a mesh is refused, with its path.
     """
     for path in paths:
-        mesh = load_mesh(path)
-        height = units.height_m if units.unit_m is None else None
-        try:
-            standing = mesh.standing(
-                y_up=units.up == "y", height_m=height, unit_m=units.unit_m or 1.0
-            )
-        except InputError as error:
-            raise InputError(error.message, path=path) from error
+        standing = read_surface(path, units)
         yield build_chain(standing, chain, sampling)
