@@ -48,10 +48,16 @@ class ErrorMeter:
 
     def error_m(self, positions: FloatArray, faces: IntArray) -> float:
         """Return the error in the unit of the positions, at least 0."""
+        return self.distances_m(positions, faces)[0]
+
+    def distances_m(self, positions: FloatArray, faces: IntArray) -> tuple[float, float]:
+        """Return the error, and the mean distance of the points drawn by area, both ways."""
         level = _mesh((positions - self._low) * self._scale, faces)
-        there = _farthest(self._samples, level)
-        back = _farthest(_sample(level, self._sampling), self._full)
-        return max(there, back) / self._scale
+        there = _distances(self._samples, level)
+        back = _distances(_sample(level, self._sampling), self._full)
+        by_area = slice(-self._sampling.surface or None, None)
+        mean = (there[by_area].mean() + back[by_area].mean()) / 2.0
+        return float(max(there.max(), back.max())) / self._scale, float(mean) / self._scale
 
 
 def nearest_faces(positions: FloatArray, faces: IntArray, points: FloatArray) -> IntArray:
@@ -88,8 +94,8 @@ def _sample(mesh: Any, sampling: Sampling) -> FloatArray:
     return np.concatenate((vertices, np.asarray(drawn[0], dtype=np.float64)))
 
 
-def _farthest(points: FloatArray, mesh: Any) -> float:
-    return max(float(distance.max()) for distance, _ in _closest(mesh, points))
+def _distances(points: FloatArray, mesh: Any) -> FloatArray:
+    return np.concatenate([distance for distance, _ in _closest(mesh, points)])
 
 
 def _closest(mesh: Any, points: FloatArray) -> Iterator[tuple[FloatArray, IntArray]]:

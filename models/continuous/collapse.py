@@ -15,6 +15,7 @@ _Candidate: TypeAlias = tuple[float, int, int, int, int]
 
 _MAX_FACES_REMOVED = 3
 _LEAST_COSINE = 0.2  # of the angle by which a collapse may turn a triangle
+_LEAST_HEIGHT = 1e-9  # of a triangle over its length; below, its normal is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,8 +195,12 @@ class _Surface:
         before = _cross(edge, x[:, [v]] - x[:, b])
         after = _cross(edge, x[:, [u]] - x[:, b])
         dot = np.einsum("pij,pij->pi", before, after)
-        length = np.einsum("pij,pij->pi", before, before) * np.einsum("pij,pij->pi", after, after)
-        return bool((dot <= _LEAST_COSINE * np.sqrt(length)).any())
+        size = np.einsum("pij,pij->pi", after, after)
+        length = np.einsum("pij,pij->pi", before, before) * size
+        side = x[:, [u]] - x[:, b]
+        longest = np.maximum((edge * edge).sum(axis=2), (side * side).sum(axis=2))
+        thin = size <= (_LEAST_HEIGHT * longest) ** 2
+        return bool((thin | (dot <= _LEAST_COSINE * np.sqrt(length))).any())
 
     def _collapse(self, v: int, u: int, plan: dict[int, int]) -> None:
         step = self._step

@@ -139,10 +139,10 @@ def _layer(
     step = 1 << height_in_tree
     span = patch * step
     low, high = -_greatest(-height_m, span), _greatest(height_m, span)
-    middle = (np.arange(len(low)) + 0.5) * span * cell_m
+    half = span * cell_m / 2.0
+    middle = np.linspace(half, (2 * len(low) - 1) * half, len(low))
     x, y = np.meshgrid(middle, middle)
     center = np.stack((x, y, (low + high) / 2.0), axis=2).reshape(-1, 3)
-    half = span * cell_m / 2.0
     radius: FloatArray = np.sqrt(2.0 * half**2 + ((high - low) / 2.0) ** 2).ravel()
     return center, radius, _greatest(np.abs(height_m - _drawn_height(height_m, step)), span)
 
