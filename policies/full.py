@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..models.scene import Scene
+from .claims import Claims
 from .protocol import Capabilities
 from .selection import Selection
 from .view import View
@@ -27,6 +28,7 @@ class Full:
     """
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    claims: ClassVar[Claims] = Claims(settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Nothing to prepare."""

@@ -11,6 +11,7 @@ from ..models.allocation import Allocation, allocate
 from ..models.arrays import FloatArray
 from ..models.benefit import level_primitives
 from ..models.scene import Scene
+from .claims import Claims
 from .protocol import Capabilities
 from .resolution_cost import ResolutionCosts, ResolutionProblem
 from .selection import Selection, Work
@@ -80,6 +81,12 @@ class Gobbetti:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with this engine: a truncated search may be far from the optimum."""
+        exact = self.engine == "newton"
+        return Claims(budget=True, monotone=exact, settles_frames=1 if exact else None)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..models.arrays import FloatArray
 from ..models.benefit import level_primitives
 from ..models.scene import Scene
+from .claims import Claims
 from .convex_program import ConvexProgram, Point
 from .protocol import Capabilities
 from .resolution_cost import ResolutionCosts
@@ -79,6 +80,11 @@ class GobbettiCustom:
     _budget_multiplier: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these formulas."""
+        return Claims(budget=self.cost is None)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""

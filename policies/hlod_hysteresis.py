@@ -9,6 +9,7 @@ from ..errors import InputError
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
+from .claims import Claims
 from .hierarchy import Hierarchy
 from .priority_list import PriorityList
 from .protocol import Capabilities
@@ -74,6 +75,7 @@ class HlodHysteresis:
     _list: PriorityList = field(init=False, repr=False, compare=False, default_factory=PriorityList)
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
+    claims: ClassVar[Claims] = Claims(hysteresis=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate costs and benefits, and set every counter to `-limit`."""

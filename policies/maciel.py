@@ -10,6 +10,7 @@ from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.scene import Scene
 from .best_first import refine_best_first
 from .choices import require_costs
+from .claims import Claims
 from .hierarchy import Hierarchy, NodeCosts, gains
 from .protocol import Capabilities
 from .selection import Selection, Work
@@ -51,6 +52,11 @@ class Maciel:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with this threshold."""
+        return Claims(budget=True, settles_frames=self.threshold + 2)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate the hierarchy and start from the roots."""

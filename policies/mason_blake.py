@@ -8,6 +8,7 @@ import numpy as np
 from ..models.arrays import BoolArray, FloatArray
 from ..models.scene import Scene
 from .choices import require_costs
+from .claims import Claims
 from .hierarchy import Hierarchy, NodeCosts, gains
 from .protocol import Capabilities
 from .selection import Selection, Work
@@ -51,6 +52,7 @@ class MasonBlake:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
+    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=1)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Tabulate the hierarchy and start from the roots."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.scene import Scene
+from .claims import Claims
 from .error_ladder import ErrorLadder
 from .protocol import Capabilities
 from .selection import Selection
@@ -40,6 +41,11 @@ class PixelError:
     _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the errors."""

@@ -7,6 +7,7 @@ from typing import ClassVar
 from ..errors import InputError
 from ..models.camera import Camera
 from ..models.scene import Scene
+from .claims import Claims, claims_of
 from .protocol import Capabilities, Policy
 from .registry import parse_policy
 from .selection import Selection
@@ -90,6 +91,12 @@ class Predictive:
         if self._inner.capabilities.future:
             raise InputError(f"predictive: expected a policy that sees no future, got {name}")
         self.__dict__["capabilities"] = self._inner.capabilities
+
+    @property
+    def claims(self) -> Claims:
+        """That it comes to rest if the policy does; the rest holds for another pose."""
+        frames = claims_of(self._inner).settles_frames
+        return Claims(settles_frames=None if frames is None else frames + 1)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and reset the policy."""

@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.scene import Scene
+from .claims import Claims
 from .error_ladder import ErrorLadder
 from .hierarchy import Hierarchy
 from .protocol import Capabilities
@@ -53,6 +54,11 @@ class ScreenSpaceError:
     capabilities: ClassVar[Capabilities] = Capabilities(
         continuous=True, hierarchy=True, loader=True
     )
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters: a tolerance steered by memory swings."""
+        return Claims(settles_frames=0 if self.memory_bytes is None else None)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""

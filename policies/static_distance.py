@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.arrays import FloatArray
 from ..models.scene import Scene
+from .claims import Claims
 from .discretise import detail_of_level, level_of_detail
 from .protocol import Capabilities
 from .selection import Selection, Work
@@ -53,6 +54,11 @@ class StaticDistance:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Resolve distances that depend on the scene."""

@@ -11,6 +11,7 @@ from ..models.allocation import allocate
 from ..models.arrays import FloatArray
 from ..models.benefit import level_primitives
 from ..models.scene import Scene
+from .claims import Claims
 from .protocol import Capabilities
 from .resolution_cost import ResolutionCosts, ResolutionProblem
 from .selection import Selection, Work
@@ -81,6 +82,7 @@ class Wimmer:
     )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""

@@ -11,6 +11,7 @@ from ..models.scene import Scene
 from ..models.smooth_ascent import Ascent, GradientAscent, NewtonAscent
 from ..models.tree import Tree
 from .choices import require_costs
+from .claims import Claims
 from .protocol import Capabilities
 from .resolution_cost import ResolutionCosts
 from .selection import Selection, Work
@@ -76,6 +77,7 @@ class Zach:
     _halves: _Halves | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, and tell smooth leaves from discrete nodes."""
