@@ -2,7 +2,9 @@
 
 In a flat scene an object's alternatives are its levels (the knots of a continuous type).  In a
 hierarchy the objects are the roots, and the alternatives of a root are the fronts of uniform depth
-below it.  Column 0 is the finest; a row that has fewer alternatives ends in infinite costs.
+below it, and then the coarsest front with its continuous nodes at coarser knots.  Nodes that stand
+for nothing, having children and no geometry, count for no depth and are never drawn.  Column 0 is
+the finest; a row that has fewer alternatives ends in infinite costs.
 """
 
 from dataclasses import dataclass
@@ -128,66 +130,77 @@ class LevelChoices:
 
 
 class _Fronts:
-    """Fronts of uniform depth below each root: column c is the front c levels above the deepest."""
+    """Fronts of uniform depth below each root: column c is the front c levels above the deepest.
+
+    Columns behind a root's coarsest front are that front at coarser knots.
+    """
 
     def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
-        self._scene, self._costs, self._exponent = scene, costs, exponent
-        self._tree = tree = Tree(scene)
-        levels = scene.types.levels
-        linear, geometry = costs.level_ms(levels)
-        row = levels.start[:-1][scene.type_index]
-        self._linear_ms, self._geometry_ms = linear[row], geometry[row]
-        self._accuracy = _accuracy(tree.primitives, exponent)
-        root = np.where(scene.parent < 0, np.arange(len(scene)), -1)
-        for depth in range(1, int(tree.depth.max()) + 1):
-            layer = np.flatnonzero(tree.depth == depth)
-            root[layer] = root[scene.parent[layer]]
-        self._root = root
+        self._scene, self._costs = scene, costs
+        tree, levels = Tree(scene), scene.types.levels
+        self._linear_ms, self._geometry_ms = costs.level_ms(levels)
+        self._accuracy = _accuracy(level_primitives(levels), exponent)
+        self._first_row = levels.start[:-1][scene.type_index]
+        self._solid = tree.leaf | (tree.primitives > 0.0)
+        root, depth = np.arange(len(scene)), np.zeros(len(scene), dtype=np.int32)
+        for layer in range(1, int(tree.depth.max()) + 1):
+            nodes = np.flatnonzero(tree.depth == layer)
+            above = scene.parent[nodes]
+            root[nodes], depth[nodes] = root[above], depth[above] + self._solid[above]
+        self._root, self._depth = root, depth
         # A node is in the front of depth d if it lies there, or above it and nothing replaces it.
         self._stays = tree.leaf | scene.additive
-        deepest = np.zeros(len(scene), dtype=np.int32)
-        np.maximum.at(deepest, root, tree.depth)
-        self._deepest = deepest
-        self._width = int(tree.depth.max()) + 1
+        self._knots = np.where(scene.continuous & (depth == 0), scene.level_count, 1)
+        self._deepest, self._coarser = np.zeros_like(depth), np.zeros_like(depth)
+        np.maximum.at(self._deepest, root[self._solid], depth[self._solid])
+        np.maximum.at(self._coarser, root[self._solid], self._knots[self._solid] - 1)
+        self._width = int((self._deepest + self._coarser).max()) + 1
 
     def offer(self, view: View, weight: Weight) -> Offer:
         """Return the fronts below a view's roots, over their nodes in the frustum."""
         n, width = len(view.ids), self._width
         row_of = np.full(len(self._scene), -1, dtype=np.int32)
         row_of[view.ids] = np.arange(n)
-        nodes = np.flatnonzero(view.state.inside & (row_of[self._root] >= 0))
+        nodes = np.flatnonzero(view.state.inside & (row_of[self._root] >= 0) & self._solid)
         seen = view.at(nodes)
-        linear, geometry = self._linear_ms[nodes], self._geometry_ms[nodes]
-        node_ms = self._costs.object_ms(linear, geometry, seen.area_px)
-        gain = seen.area_px * weight(seen) * self._accuracy[nodes]
+        node_size = seen.area_px * weight(seen)
         row = row_of[self._root[nodes]]
         cost_ms, benefit = np.full((n, width), np.inf), np.zeros((n, width))
-        deepest = self._deepest[view.ids]
-        for depth in range(width):
-            member = self._member(nodes, depth)
-            column = deepest - depth
-            has = column >= 0
+        deepest, coarser = self._deepest[view.ids], self._coarser[view.ids]
+        for depth in range(-int(self._coarser.max()), int(self._deepest.max()) + 1):
+            level = self._level_row(nodes, depth)
+            node_ms = self._costs.object_ms(
+                self._linear_ms[level], self._geometry_ms[level], seen.area_px
+            )
+            member = self._member(nodes, max(depth, 0))
+            has = (depth <= deepest) & (-depth <= coarser)
             total = np.bincount(row[member], node_ms[member], minlength=n)
-            score = np.bincount(row[member], gain[member], minlength=n)
-            cost_ms[has, column[has]] = total[has]
-            benefit[has, column[has]] = score[has]
+            gain = (node_size * self._accuracy[level])[member]
+            cost_ms[has, deepest[has] - depth] = total[has]
+            benefit[has, deepest[has] - depth] = np.bincount(row[member], gain, minlength=n)[has]
         size = view.area_px * weight(view)
         fixed_ms = _fixed_ms(self._costs, view)
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
 
+    def _level_row(self, nodes: IntArray, depth: int | IntArray) -> IntArray:
+        """Return the row of each node's level: coarser knots where the depth is negative."""
+        return self._first_row[nodes] + np.clip(-depth, 0, self._knots[nodes] - 1)
+
     def _member(self, nodes: IntArray, depth: int | IntArray) -> BoolArray:
-        at = self._tree.depth[nodes]
-        return (at == depth) | ((at < depth) & self._stays[nodes])
+        at = self._depth[nodes]
+        return self._solid[nodes] & ((at == depth) | ((at < depth) & self._stays[nodes]))
 
     def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
         """Return ids and detail of the chosen fronts of the kept roots."""
-        depth = np.full(len(self._scene), -1, dtype=np.int32)
-        depth[view.ids[keep]] = (self._deepest[view.ids] - column)[keep]
+        scene = self._scene
+        depth = np.zeros(len(scene), dtype=np.int32)
+        kept = np.zeros(len(scene), dtype=np.bool_)
+        depth[view.ids], kept[view.ids] = self._deepest[view.ids] - column, keep
         wanted = depth[self._root]
-        nodes = np.arange(len(self._scene), dtype=np.int32)
-        ids = nodes[(wanted >= 0) & self._member(nodes, wanted)]
-        finest = self._scene.continuous[ids].astype(np.float64)
-        return ids, finest
+        nodes = np.arange(len(scene), dtype=np.int32)
+        ids = nodes[kept[self._root] & self._member(nodes, np.maximum(wanted, 0))]
+        resolution = scene.types.levels.resolution[self._level_row(ids, wanted[ids])]
+        return ids, np.where(scene.continuous[ids], resolution, 0.0)
 
 
 def _fixed_ms(costs: CostModel, view: View) -> float:

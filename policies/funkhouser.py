@@ -41,7 +41,7 @@ class Funkhouser:
     the paper; without, every object is at least at its coarsest level, over budget if need be.
     `misfit` says whether the hull order ends at the first increment that does not fit; going on
     behind it makes small camera moves flip levels.  In a hierarchy a root's levels are the fronts
-    of uniform depth below it.
+    of uniform depth below it, then coarser knots of the continuous nodes of the coarsest front.
 
     Uses: the scene's cost model, projected area, eccentricity, apparent speed, last levels.
 

@@ -162,6 +162,32 @@ def test_trees_choose_fronts_of_uniform_depth(
         assert selection.ids.tolist() == front
 
 
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(("budget_ms", "resolution"), [(1.1, 0.2), (1.3, 1.0)])
+def test_groups_below_a_node_without_geometry_give_way_by_their_knots(
+    mode: Any,
+    budget_ms: float,
+    resolution: float,
+    make_scene: Make,
+    make_levels: Make,
+    make_view: Make,
+) -> None:
+    """Two groups of 100 or 20 triangles: 1.2 or 1.04 ms; the empty node above is never drawn."""
+    scene = make_scene(
+        [(0.0, 0.0, -10.0), (-0.5, 0.0, -10.0), (0.5, 0.0, -10.0)],
+        kind=[0, 1, 1],
+        parent=[-1, 0, 0],
+        levels=make_levels(((0.0,), (100.0, 20.0)), continuous=[False, True]),
+        radius_m=[2.0, 1.0],
+    ).with_costs(COSTS)
+    policy = Funkhouser(mode=mode)
+    policy.reset(scene, budget_ms)
+    selection = policy.select(make_view(scene).at(scene.roots))
+    assert selection.ids.tolist() == [1, 2]
+    assert selection.detail.tolist() == [resolution, resolution]
+    assert selection.predicted_ms <= budget_ms
+
+
 def test_nothing_in_view_is_no_error(row_of_objects: Make, make_view: Make) -> None:
     """An empty frame gives an empty selection that costs the base."""
     scene = row_of_objects([-5.0])
