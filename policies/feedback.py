@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.scene import Scene
 from .protocol import Capabilities
+from .reports import Reports
 from .selection import Selection
 from .static_screen import StaticScreen
 from .view import Completed, View
@@ -21,7 +22,8 @@ class Feedback:
     """Idea: multiply projected heights by a bias, ``bias · (target / time)^gain`` once a frame.
 
     Inside the dead band the bias rests; one step changes it by at most the rate limit.  A report
-    that is missing, zero or negative is no time and moves nothing.
+    that is missing, zero or negative is no time and moves nothing; one that repeats the last to its
+    last digit may be a stuck timer, and never raises detail.
 
     Uses: work time of the newest completed frame, and what `static-screen` uses.
 
@@ -47,7 +49,7 @@ class Feedback:
     hysteresis: float = 0.01  # as static-screen
     _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
     _bias: float = field(init=False, repr=False, compare=False, default=1.0)
-    _seen: int = field(init=False, repr=False, compare=False, default=0)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
     _levels: StaticScreen = field(
         init=False, repr=False, compare=False, default_factory=StaticScreen
     )
@@ -66,7 +68,7 @@ class Feedback:
         self._levels.reset(scene, budget_ms)
         self._budget_ms = budget_ms
         self._bias = 1.0
-        self._seen = 0
+        self._reports = Reports()
 
     def select(self, view: View) -> Selection:
         """Steer the bias, then return a level for every candidate."""
@@ -74,14 +76,9 @@ class Feedback:
         return self._levels.select_biased(view, self._bias)
 
     def _steer(self, completed: Completed) -> None:
-        if len(completed) == self._seen:
-            return
-        self._seen = len(completed)
-        time_ms = completed.last_work_ms()
-        if not (math.isfinite(time_ms) and time_ms > 0.0):
-            return
-        error = time_ms / (self.target * self._budget_ms)
-        if abs(error - 1.0) <= self.dead_band:
+        target_ms = self.target * self._budget_ms
+        error = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
+        if math.isnan(error) or abs(error - 1.0) <= self.dead_band:
             return
         step = np.clip(error**-self.gain, 1.0 / self.rate_limit, self.rate_limit)
         self._bias = float(np.clip(self._bias * step, self.min_bias, self.max_bias))

@@ -78,13 +78,15 @@ def test_a_step_is_never_larger_than_the_rate_limit(steer: Steer) -> None:
     """1,000 ms and 0.01 ms change the bias by 10 % a frame, no more."""
     slow = steer(policy_of(), [1000.0, 1000.0])
     assert slow == [level_of(1.0), level_of(1.0 / 1.1), level_of(1.0 / 1.21)]
-    assert steer(policy_of(), [0.01, 0.01]) == [level_of(1.0), level_of(1.1), level_of(1.21)]
+    assert steer(policy_of(), [0.01, 0.02]) == [level_of(1.0), level_of(1.1), level_of(1.21)]
 
 
 def test_the_bias_stays_within_its_bounds(steer: Steer) -> None:
     """However long frames are too slow or too fast, the bias ends at its bound."""
     assert steer(policy_of(min_bias=0.5), [50.0] * 30)[-1] == level_of(0.5)
-    assert steer(policy_of(max_bias=1.15), [1.0] * 30)[-1] == level_of(1.15)
+    assert steer(policy_of(max_bias=1.15), [1.0 + 0.01 * k for k in range(30)])[-1] == level_of(
+        1.15
+    )
 
 
 def test_a_report_moves_the_bias_once(steer: Steer) -> None:
@@ -103,6 +105,13 @@ def test_a_faulty_time_moves_nothing(steer: Steer, faulty: float) -> None:
     mixed = steer(policy_of(), [15.0, faulty, 15.0, faulty, faulty, 15.0])
     assert [mixed[i] for i in (0, 1, 3, 6)] == good
     assert mixed[2] == mixed[1]
+
+
+def test_a_stuck_timer_lowers_detail_but_never_raises_it(steer: Steer) -> None:
+    """A time below target counts once however often it is repeated, one above every time."""
+    assert steer(policy_of(), [9.0, 9.0, 9.0])[1:] == [level_of((10.0 / 9.0) ** 0.5)] * 3
+    stuck = steer(policy_of(), [12.0, 12.0, 12.0])
+    assert stuck == sorted(set(stuck))
 
 
 @given(
