@@ -65,7 +65,8 @@ class SmoothChoice:
     def respond(self, price: float) -> Response:
         """Return the selection that is best when a unit of cost is worth `price` of benefit."""
         rows = np.arange(len(self.weight))
-        value = np.where(np.isfinite(self.cost), self.benefit - price * self.cost, -np.inf)
+        real = np.isfinite(self.cost)
+        value = np.where(real, self.benefit - price * np.where(real, self.cost, 0.0), -np.inf)
         column: IntArray = value.argmax(axis=1)
         share = np.zeros(len(rows))
         if self._spans.any():
