@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from .continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from .mesh_error import Sampling
 from .mesh_file import load_mesh
 from .simplify import ChainOptions, build_chain
@@ -52,9 +53,16 @@ def read_surface(path: Path, units: MeshUnits) -> SurfaceMesh:
 
 
 def read_types(
-    paths: Iterable[Path], units: MeshUnits, chain: ChainOptions, sampling: Sampling
+    paths: Iterable[Path],
+    units: MeshUnits,
+    detail: ChainOptions | KnotOptions,
+    sampling: Sampling,
 ) -> Iterator[TypeModel]:
     """Yield a type with its measured levels for each mesh file, in order.
+
+    Parameters
+    ----------
+    detail : a chain of discrete levels, or the knots of a continuous type
 
     Raises
     ------
@@ -63,4 +71,8 @@ def read_types(
     """
     for path in paths:
         standing = read_surface(path, units)
-        yield build_chain(standing, chain, sampling)
+        if isinstance(detail, ChainOptions):
+            yield build_chain(standing, detail, sampling)
+        else:
+            surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)
+            yield build_continuous(surface, detail, sampling)
