@@ -29,7 +29,7 @@ from .score import Job, Scored, World
 from .uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .workers import RunJobs, started
 
-__all__ = ["CompareOptions", "Progress", "compare"]
+__all__ = ["CompareOptions", "Progress", "choose_draws", "compare"]
 
 Progress = Callable[[int, int], None]
 """Called with the replays done and the replays in all."""
@@ -90,7 +90,7 @@ def compare(
     options = options or CompareOptions()
     unfit = _unfit(policies, scene)
     world = World(scene, trace, hardware, replay_options, options.warmup)
-    draws = _choose_draws(hardware, options.draws)
+    draws = choose_draws(hardware, options.draws)
     fit = [label for label, reason in unfit.items() if reason is None]
     total = len(fit) * (1 + len(draws))
     each = _per_draw(options, draws)
@@ -127,7 +127,7 @@ def _unfit(policies: Sequence[PolicySpec], scene: Scene) -> dict[str, str | None
     return unfit
 
 
-def _choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
+def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
     """Return evenly spaced posterior draws, each once."""
     available = 0 if hardware.posterior is None else len(hardware.posterior)
     chosen = np.linspace(0, available - 1, min(count, available)).round()

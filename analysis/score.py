@@ -3,6 +3,7 @@
 What a worker process does: everything it needs arrives in one `World`, and a policy by its text.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,9 +19,10 @@ from ..traces.camera import CameraTrace
 from .bootstrap import draw_blocks
 from .metrics.registry import METRICS
 from .metrics.run import Run
+from .metrics.statistic import Statistic
 from .metrics.steps import Step, find_steps
 
-__all__ = ["Job", "Scored", "World", "score"]
+__all__ = ["Job", "Scored", "World", "resample", "score"]
 
 _SPAWN_KEY = 100
 """Apart from the keys 0, 1, ... that a replay spawns for its noise from the same seed."""
@@ -47,12 +49,14 @@ class Job:
     draw : index of the posterior draw, None for the mean
     stream : which blocks are drawn; the same for every policy, so that comparisons are paired
     resamples : number of resamples, 0 for none
+    seed : root of noise and blocks, None for the world's
     """
 
     policy: str
     draw: int | None
     stream: int
     resamples: int
+    seed: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +83,8 @@ class Scored:
 
 def score(world: World, job: Job) -> Scored:
     """Replay and score; the same arguments give the same result in any process."""
-    options = replace(world.options, draw=job.draw)
+    seed = world.options.seed if job.seed is None else job.seed
+    options = replace(world.options, draw=job.draw, seed=seed)
     try:
         policy = parse_policy(job.policy).make()
         log = replay(policy, world.scene, world.trace, world.hardware, options, name=job.policy)
@@ -90,17 +95,22 @@ def score(world: World, job: Job) -> Scored:
     run = Run(log, world.warmup)
     statistics = {metric.id: metric(run) for metric in METRICS}
     values = {name: None if item is None else item.value() for name, item in statistics.items()}
-    resampled: dict[str, FloatArray] = {}
-    if job.resamples:
-        seed = np.random.SeedSequence(options.seed, spawn_key=(_SPAWN_KEY, job.stream))
-        rows = draw_blocks(seed, job.resamples).rows(run.input_ns)
-        resampled = {
-            name: item.resampled(rows)
-            for name, item in statistics.items()
-            if item is not None and item.support > 1
-        }
+    resampled = resample(run, statistics, seed, job.stream, job.resamples) if job.resamples else {}
     kept = log if job.draw is None else None
     return Scored(None, kept, values, resampled, find_steps(run))
+
+
+def resample(
+    run: Run, statistics: Mapping[str, Statistic | None], seed: int, stream: int, count: int
+) -> dict[str, FloatArray]:
+    """Return by metric its value in each resample, (count,); see `Scored.resampled`."""
+    root = np.random.SeedSequence(seed, spawn_key=(_SPAWN_KEY, stream))
+    rows = draw_blocks(root, count).rows(run.input_ns)
+    return {
+        name: item.resampled(rows)
+        for name, item in statistics.items()
+        if item is not None and item.support > 1
+    }
 
 
 def _with_draw(error: PolicyError, draw: int | None) -> str:

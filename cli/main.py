@@ -33,6 +33,9 @@ COMMANDS = {
         "compare",
         "Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which.",
     ),
+    "check": Command(
+        "check", "check", "Hold frame times and flicker against limits, as a gate for CI."
+    ),
     "report": Command(
         "report",
         "report",

@@ -1,0 +1,1 @@
+"""The frame-budget gate for continuous integration: limits, measurements, verdicts and reports."""

@@ -1,0 +1,130 @@
+"""The stored baseline: what relative limits are held against, as one JSON file to commit."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import FloatArray
+from .limits import Limits
+from .measure import Conditions, Measured
+
+__all__ = ["Baseline", "Entry", "make_baseline", "read_baseline", "write_baseline"]
+
+_SCHEMA = "lodbench.baseline/1"
+_UPDATE = "write it again with `lodbench check --update-baseline`"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A metric of a policy, scene and trace: its value, and R resampled values of it."""
+
+    value: float
+    resampled: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Case:
+    policy: str
+    scene: str
+    trace: str
+    metrics: dict[str, Entry]
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """Metrics that had a relative limit when the baseline was written.
+
+    Every resample is of the same seeds and of the same windows of the camera's path as in a later
+    check under the same conditions.
+    """
+
+    conditions: Conditions
+    cases: list[_Case] = field(default_factory=list[_Case])
+    schema: Literal["lodbench.baseline/1"] = _SCHEMA
+
+    def find(self, measured: Measured, metric: str) -> tuple[float, FloatArray] | None:
+        """Return value and resamples of a metric, or None if the baseline does not have it."""
+        wanted = (measured.policy, measured.scene, measured.trace)
+        for case in self.cases:
+            if (case.policy, case.scene, case.trace) == wanted and metric in case.metrics:
+                entry = case.metrics[metric]
+                return entry.value, np.array(entry.resampled)
+        return None
+
+
+def make_baseline(conditions: Conditions, measured: Iterable[Measured], limits: Limits) -> Baseline:
+    """Return the baseline that the relative limits need; policies without scores are left out."""
+    cases: list[_Case] = []
+    for item in measured:
+        wanted = sorted(
+            {x.metric for x in limits.of(item.policy, item.scene, item.trace) if x.relative}
+        )
+        entries: dict[str, Entry] = {}
+        for metric in wanted:
+            score = item.scores.get(metric)
+            if score is not None and score.value is not None and metric in item.paired:
+                # Only a resample in which nothing of the kind happened is NaN.
+                resampled = np.nan_to_num(item.paired[metric], nan=score.value)
+                entries[metric] = Entry(score.value, resampled.tolist())
+        if entries:
+            cases.append(_Case(item.policy, item.scene, item.trace, entries))
+    return Baseline(conditions, sorted(cases, key=lambda c: (c.scene, c.trace, c.policy)))
+
+
+def write_baseline(path: Path, baseline: Baseline) -> None:
+    """Write a baseline, all of it or nothing; the same baseline gives the same bytes."""
+    text = msgspec.json.format(msgspec.json.encode(baseline, order="sorted"), indent=1) + b"\n"
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        partial.write_bytes(text)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read_baseline(path: Path, conditions: Conditions) -> Baseline:
+    """Read a baseline of a measurement under these conditions.
+
+    Raises
+    ------
+    InputError
+        If it is missing, not a baseline, or of other conditions.
+    """
+    try:
+        baseline = msgspec.json.decode(path.read_bytes(), type=Baseline)
+    except OSError as error:
+        raise InputError(
+            f"expected a baseline, got {error.strerror}; {_UPDATE}", path=path
+        ) from error
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"expected the JSON of {_SCHEMA}, got {error}; {_UPDATE}", path=path
+        ) from error
+    for item in fields(Conditions):
+        now, then = getattr(conditions, item.name), getattr(baseline.conditions, item.name)
+        if now != then:
+            raise InputError(
+                f"expected a baseline of {item.name} {now}, got {then}; {_UPDATE}, or check as "
+                "it was measured",
+                path=path,
+            )
+    short = [
+        metric
+        for case in baseline.cases
+        for metric, entry in case.metrics.items()
+        if len(entry.resampled) != conditions.resamples
+    ]
+    if short:
+        raise InputError(
+            f"expected {conditions.resamples} resamples of {short[0]}, got another number; "
+            f"{_UPDATE}",
+            path=path,
+        )
+    return baseline

@@ -1,0 +1,55 @@
+"""A report as JUnit XML, which CI services show as tests: a suite a run, a case a limit."""
+
+import os
+from itertools import groupby
+from pathlib import Path
+from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+
+from .report import Report
+from .text import describe, explain
+from .verdict import Verdict
+
+__all__ = ["write_junit"]
+
+
+def write_junit(path: Path, report: Report) -> None:
+    """Write a report, all of it or nothing; undecided limits are skipped tests unless strict."""
+    root = Element("testsuites", name="lodbench check")
+    for (policy, scene, trace), verdicts in groupby(report.verdicts, _suite):
+        _add_suite(root, f"{scene}.{trace}.{policy}", list(verdicts), report)
+    indent(root)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with partial.open("wb") as file:
+            ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+            file.write(b"\n")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _suite(verdict: Verdict) -> tuple[str, str, str]:
+    return verdict.policy, verdict.scene, verdict.trace
+
+
+def _add_suite(root: Element, name: str, verdicts: list[Verdict], report: Report) -> None:
+    failed = [verdict for verdict in verdicts if report.is_failure(verdict)]
+    skipped = [v for v in verdicts if v.outcome == "undecided" and not report.is_failure(v)]
+    suite = SubElement(
+        root,
+        "testsuite",
+        name=name,
+        tests=str(len(verdicts)),
+        failures=str(len(failed)),
+        errors="0",
+        skipped=str(len(skipped)),
+    )
+    for verdict in verdicts:
+        title = f"{verdict.metric} {verdict.limit}".strip()
+        case = SubElement(suite, "testcase", classname=name, name=title)
+        if verdict in failed:
+            failure = SubElement(case, "failure", message=explain(verdict), type=verdict.outcome)
+            failure.text = describe(verdict)
+        elif verdict in skipped:
+            SubElement(case, "skipped", message=explain(verdict))

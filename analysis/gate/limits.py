@@ -1,0 +1,102 @@
+"""Limits on metrics: for everything, or for some policies, scenes and traces."""
+
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Literal
+
+from .amount import Amount
+
+__all__ = ["Kind", "Limit", "Limits", "Rule"]
+
+Kind = Literal["max", "min", "max_increase", "max_decrease"]
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """One limit on one metric.
+
+    Attributes
+    ----------
+    metric : str
+    kind : Kind
+        Relative to the baseline if it ends in increase or decrease.
+    amount : Amount
+    floor : Amount or None
+        A change up to this is allowed, however large it is relative to the baseline.
+    line : int or None
+        Where the file says so.
+    """
+
+    metric: str
+    kind: Kind
+    amount: Amount
+    floor: Amount | None = None
+    line: int | None = None
+
+    @property
+    def relative(self) -> bool:
+        """Whether the limit is on the change from the baseline."""
+        return self.kind in {"max_increase", "max_decrease"}
+
+    def describe(self, budget_ms: float, refresh_hz: float) -> str:
+        """Return the limit as the user wrote it, and in milliseconds what is in frames."""
+        floor = (
+            "" if self.floor is None else f", floor {self.floor.describe(budget_ms, refresh_hz)}"
+        )
+        return f"{self.kind} {self.amount.describe(budget_ms, refresh_hz)}{floor}"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """Limits by metric, and patterns of the policies, scenes and traces that they are for."""
+
+    limits: dict[str, tuple[Limit, ...]]
+    policy: str = "*"
+    scene: str = "*"
+    trace: str = "*"
+
+    def covers(self, policy: str, scene: str, trace: str) -> bool:
+        """Whether the rule is for these names; a policy also goes by what is before its colon."""
+        return (
+            any(fnmatchcase(name, self.policy) for name in (policy, policy.partition(":")[0]))
+            and fnmatchcase(scene, self.scene)
+            and fnmatchcase(trace, self.trace)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """All rules of a file, in its order; a later one replaces an earlier one, metric by metric."""
+
+    rules: tuple[Rule, ...]
+    path: Path | None = None
+
+    def of(self, policy: str, scene: str, trace: str) -> tuple[Limit, ...]:
+        """Return the limits for a policy, scene and trace."""
+        chosen: dict[str, tuple[Limit, ...]] = {}
+        for rule in self.rules:
+            if rule.covers(policy, scene, trace):
+                chosen |= rule.limits
+        return tuple(limit for limits in chosen.values() for limit in limits)
+
+    @property
+    def relative(self) -> bool:
+        """Whether any limit needs a baseline."""
+        return any(
+            limit.relative
+            for rule in self.rules
+            for limits in rule.limits.values()
+            for limit in limits
+        )
+
+    def absolute_only(self) -> "Limits":
+        """Return the limits that need no baseline."""
+        rules: list[Rule] = []
+        for rule in self.rules:
+            kept = {
+                metric: tuple(limit for limit in limits if not limit.relative)
+                for metric, limits in rule.limits.items()
+            }
+            rules.append(replace(rule, limits=kept))
+        return Limits(tuple(rules), self.path)

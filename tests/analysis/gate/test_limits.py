@@ -1,0 +1,132 @@
+"""Limits as a team writes them, and what is said about those that cannot be meant."""
+
+from pathlib import Path
+
+import pytest
+
+from lodbench.analysis.gate.amount import parse_amount
+from lodbench.analysis.gate.limits_file import (
+    DEFAULT_LIMITS,
+    choose_limits,
+    parse_limits,
+    read_limits,
+)
+from lodbench.errors import InputError
+
+FILE = """# what a frame may take
+[limits]
+frame_ms_p99 = { max = 16.7, max_increase = "5%", floor = 0.5 }
+toggles_per_frame = { max = 0.05 }
+
+[[for]]
+policy = "feedback"
+trace = "dash*"
+limits = { toggles_per_frame = { max = 0.4 } }
+
+[[for]]
+scene = "plaza"
+[for.limits]
+benefit_ratio = { min = 0.9, max_decrease = 0.01 }
+"""
+
+
+def texts(file: str, *names: str) -> list[str]:
+    """Return the limits of a file for a policy, scene and trace."""
+    limits = parse_limits(file).of(*names)
+    return [f"{limit.metric} {limit.describe(10.0, 60.0)}" for limit in limits]
+
+
+def test_limits_for_everything_and_for_some() -> None:
+    """A table for a policy and trace replaces the general limit of the same metric only."""
+    general = [
+        "frame_ms_p99 max 16.7",
+        "frame_ms_p99 max_increase 5%, floor 0.5",
+    ]
+    assert texts(FILE, "pid", "yard", "dash-0") == [*general, "toggles_per_frame max 0.05"]
+    assert texts(FILE, "feedback:gain=1", "yard", "dash-0") == [
+        *general,
+        "toggles_per_frame max 0.4",
+    ]
+    assert texts(FILE, "pid", "plaza", "tour")[-2:] == [
+        "benefit_ratio min 0.9",
+        "benefit_ratio max_decrease 0.01",
+    ]
+
+
+def test_limits_know_their_line(tmp_path: Path) -> None:
+    """An annotation can point at the line of a limit."""
+    path = tmp_path / "limits.toml"
+    path.write_text(FILE, encoding="utf-8")
+    limits = read_limits(path).of("feedback", "plaza", "dash-0")
+    assert {limit.metric: limit.line for limit in limits} == {
+        "frame_ms_p99": 3,
+        "toggles_per_frame": 9,
+        "benefit_ratio": 14,
+    }
+
+
+def test_amounts() -> None:
+    """A number, a share, frames and the budget; a frame at 50 Hz has 20 ms."""
+    for value, size in ((16.7, 16.7), ("5%", 0.05), ("1 frame", 20.0), ("budget", 8.0)):
+        amount = parse_amount(value)
+        assert amount is not None
+        assert amount.resolve(8.0, 50.0) == pytest.approx(size)
+    half = parse_amount("0.5 frames")
+    assert half is not None
+    assert half.describe(8.0, 50.0) == "0.5 frames (10 ms)"
+    for wrong in ("five", "5 %%", "-1 frame", True, None, float("nan"), [1]):
+        assert parse_amount(wrong) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("[limits]\nframe_ms_p98 = {max = 1}", 2, "did you mean frame_ms_p99?"),
+        ("[limits]\n\nframe_ms_p99 = {maxi = 1}", 3, "got maxi; did you mean max?"),
+        ("[limits]\nframe_ms_p99 = 16.7", 2, "expected { max = ... }"),
+        ("[limits]\nframe_ms_p99 = {}", 2, "expected one of max, min"),
+        ("[limits]\nframe_ms_p99 = {max = '5%'}", 2, "max: expected a number"),
+        ("[limits]\nframe_ms_p99 = {max_increase = 'lots'}", 2, "got lots"),
+        ("[limits]\nframe_ms_p99 = {max_increase = -1}", 2, "expected an amount >= 0"),
+        ("[limits]\nframe_ms_p99 = {max = 1, floor = 1}", 2, "expected one of max, min"),
+        ("[limits]\ntoggles_per_frame = {max = 'budget'}", 2, "is in switches"),
+        ("[limit]\nframe_ms_p99 = {max = 1}", 1, "did you mean limits?"),
+        ("[limits]\n[for]\npolicy = 'a'", 2, "expected [[for]]"),
+        ("[limits]\n[[for]]\npolicy = 1", 3, "expected a name of a policy"),
+        ("limits = 1", 1, "expected a table of metrics"),
+        ("[limits]", 1, "expected at least one limit"),
+        ("[limits\n", 1, "expected TOML"),
+    ],
+)
+def test_what_cannot_be_meant(text: str, line: int, message: str, tmp_path: Path) -> None:
+    """The error names file and line, what was expected, and the nearest name."""
+    path = tmp_path / "limits.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        read_limits(path)
+    assert error.value.line == line
+    assert message in str(error.value)
+
+
+def test_files_that_are_no_text(tmp_path: Path) -> None:
+    """A missing file, one of other bytes and a huge one are told by name."""
+    binary, huge = tmp_path / "binary.toml", tmp_path / "huge.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    huge.write_bytes(b"#" * (1 << 21))
+    for path, message in ((tmp_path / "no.toml", "No such"), (binary, "UTF-8"), (huge, "1 MB")):
+        with pytest.raises(InputError, match=message) as error:
+            read_limits(path)
+        assert error.value.path == str(path)
+
+
+def test_limits_without_a_file(tmp_path: Path) -> None:
+    """Without a baseline only the budget is judged; without a relative limit none is written."""
+    baseline = tmp_path / "baseline.json"
+    assert [limit.kind for limit in choose_limits(None, baseline).of("", "", "")] == ["max"]
+    baseline.touch()
+    kinds = [limit.kind for limit in choose_limits(None, baseline).of("", "", "")]
+    assert kinds == [limit.kind for limit in parse_limits(DEFAULT_LIMITS).of("", "", "")]
+    fixed = tmp_path / "limits.toml"
+    fixed.write_text("[limits]\nframe_ms_p99 = {max = 1}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="add max_increase"):
+        choose_limits(fixed, baseline, updating=True)
