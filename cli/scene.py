@@ -1,28 +1,25 @@
 """`lodbench scene`: build scenes from meshes, and look at them."""
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-if TYPE_CHECKING:  # numpy is loaded by the command that needs it
-    from rich.table import Table
+from .scene_hlod import build_hlod
+from .scene_output import check_target, show
 
+if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..models.build import PlacementOptions
     from ..models.continuous.knots import KnotOptions
     from ..models.mesh_types import MeshUnits
-    from ..models.scene import Scene
     from ..models.scene_file import SceneOrigin
     from ..models.simplify import ChainOptions
     from ..models.type_model import TypeModel
 
-_MOST_TYPES = 64  # in a table; --json has them all
-_READERS = ("3d-tiles", "gltf")
-
 app = typer.Typer(
     name="scene", help="Build scenes from meshes, and look at them.", no_args_is_help=True
 )
+app.command("build-hlod")(build_hlod)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 
@@ -68,14 +65,10 @@ def build(
     from ..models.build import PlacementOptions, build_scene
     from ..models.continuous.knots import KnotOptions
     from ..models.mesh_types import MeshUnits
-    from ..models.scene_catalog import SUFFIX
     from ..models.scene_file import write_scene
     from ..models.simplify import ChainOptions
 
-    if out.suffix != SUFFIX:
-        raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
-    if not out.parent.is_dir():
-        raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+    check_target(out)
     if seed < 0:
         raise InputError(f"seed: expected an integer >= 0, got {seed}")
     units = MeshUnits(up=up, height_m=height_m, unit_m=unit_m)
@@ -94,7 +87,7 @@ def build(
     scene, geometry = build_scene(out.stem, models, placement, np.random.default_rng(seed))
     origin = _origin(meshes, seed, units, detail, placement)
     write_scene(out, scene, geometry, origin)
-    _show("lodbench.scene-build/1", str(out), scene, origin, as_json=as_json)
+    show("lodbench.scene-build/1", str(out), scene, origin, as_json=as_json)
 
 
 @app.command()
@@ -112,7 +105,7 @@ def info(
     from ..models.scene_catalog import open_scene
 
     opened = open_scene(scene)
-    _show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
+    show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
 
 
 def _read_types(
@@ -153,72 +146,3 @@ def _origin(
     options = {"seed": seed, **asdict(units), **asdict(detail), **asdict(placement)}
     sources = tuple(path.name for path in meshes)
     return SceneOrigin(f"lodbench {__version__}", sources, options)
-
-
-def _show(schema: str, spec: str, scene: "Scene", origin: "SceneOrigin", *, as_json: bool) -> None:
-    from ..models.scene_summary import summarise
-
-    record = {"schema": schema, "scene": spec, **summarise(scene, origin)}
-    if as_json:
-        print(json.dumps(record))
-    else:
-        _print(record)
-
-
-def _print(record: dict[str, Any]) -> None:
-    from rich.console import Console
-
-    console = Console()
-    if record["depths"]:
-        console.print(_depth_table(record))
-    if len(record["types"]) <= _MOST_TYPES:
-        console.print(_type_table(record))
-    center = ", ".join(f"{value:.1f}" for value in record["extent"]["center_m"])
-    size = " by ".join(f"{value:.1f}" for value in record["extent"]["size_m"])
-    lines = [
-        (
-            f"{record['objects']:,} objects, {record['moving']:,} moving; "
-            f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})"
-        )
-    ]
-    options = record["origin"]["options"]
-    if record["origin"]["tool"] in _READERS:  # what was read, and what was not
-        lines.append(", ".join(f"{key.replace('_', ' ')}: {options[key]}" for key in options))
-    for line in lines:
-        console.print(line, highlight=False, soft_wrap=True)
-
-
-def _depth_table(record: dict[str, Any]) -> "Table":
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=Text(f"{record['scene']}: nodes by depth"))
-    for name in ("depth", "nodes", "leaves", "triangles", "greatest error m"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for row in record["depths"]:
-        numbers = (f"{row[name]:,}" for name in ("depth", "nodes", "leaves", "triangles"))
-        table.add_row(*numbers, f"{row['error_m_max']:.3g}")
-    return table
-
-
-def _type_table(record: dict[str, Any]) -> "Table":
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=Text(f"{record['scene']}: types and levels of detail"))
-    table.add_column("type", overflow="fold")
-    for name in ("objects", "level", "triangles", "vertices", "draws", "error m", "KiB"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for kind in record["types"]:
-        for number, level in enumerate(kind["levels"]):
-            first = number == 0
-            table.add_row(
-                Text(kind["name"] if first else ""),
-                f"{kind['objects']:,}" if first else "",
-                str(number),
-                *(f"{level[name]:,}" for name in ("triangles", "vertices", "draw_calls")),
-                f"{level['error_m']:.3g}",
-                f"{level['bytes'] / 1024:,.1f}",
-                end_section=number == len(kind["levels"]) - 1,
-            )
-    return table

@@ -185,3 +185,21 @@ def test_full_detail_is_what_the_leaves_draw(capsys: pytest.CaptureFixture[str])
     finest = sum(kind["objects"] * kind["levels"][0]["triangles"] for kind in shown["types"])
     assert shown["triangles"] == finest
     assert shown["depths"] == []
+
+
+def test_build_a_tree(
+    meshes: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A ball of 1,280 triangles in nodes of 200: factors 6.4 and 1.6, then the full mesh."""
+    out = str(tmp_path / "tree.lodscene")
+    options = ["--desired-triangles", "200", "--count", "3", "--json"]
+    assert run(["scene", "build-hlod", meshes[0], "--out", out, *options]) == 0
+    built = document(capsys)
+    nodes = [depth["nodes"] for depth in built["depths"]]
+    assert nodes[:2] == [3, 12]
+    assert len(nodes) == 3
+    assert built["triangles"] >= 3 * 1280
+    assert built["objects"] == sum(nodes) == len(read_scene(Path(out)))
+    assert len(read_geometry(Path(out))) == len(built["types"])
+    assert run(["scene", "build-hlod", meshes[0], "--out", out, "--level-factor", "1"]) == 2
+    assert "level factor: expected 2 to 16" in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""Hierarchical levels of detail of one mesh, by recursive cuts."""
