@@ -100,7 +100,7 @@ class PolicySpec:
             return self.cls(**self.params)
         except InputError:
             raise
-        except Exception as error:  # a user's class may raise anything
+        except (Exception, SystemExit) as error:  # a user's class may raise anything
             raise InputError(f"policy {self.text}: {type(error).__name__}: {error}") from error
 
 
@@ -177,10 +177,10 @@ def _find(name: str) -> type[Any]:
     if name in REGISTERED:
         module, _, cls = REGISTERED[name].partition(":")
         return getattr(importlib.import_module(f".{module}", __package__), cls)
-    where, colon, cls = name.rpartition(":")
+    where, _, cls = name.rpartition(":")
     if where in REGISTERED:
         raise InputError(f"policy {where}: expected key=value after the colon, got {cls or name}")
-    if not colon:
+    if not (where and cls):
         raise InputError(
             f"{unknown('policy', name, REGISTERED)}; or name your own as file.py:Class"
         )
@@ -208,7 +208,7 @@ def _load_file(path: Path) -> types.ModuleType:
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a script may end with sys.exit()
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
             f"expected a Python file that loads, got {type(error).__name__}: {error}",

@@ -111,6 +111,7 @@ def test_an_installed_module() -> None:
     ("text", "message"),
     [
         ("fedback", r"unknown policy fedback; did you mean feedback\? known: .*or name your own"),
+        (":", r"unknown policy :; known: .*or name your own as file.py:Class"),
         ("xyzzy", r"unknown policy xyzzy; known: .*full, .*or name your own as file.py:Class"),
         ("", "unknown policy ; known: "),
         (
@@ -162,6 +163,7 @@ def test_classes_that_refuse_their_parameters(own: Path, parameters_text: str) -
         (b"x = 1\nclass Mine(:\n", r"broken.py:2: expected a Python file that loads, got Synta"),
         (b"import no_such_module\n", "expected a Python file that loads, got ModuleNotFoundError"),
         (b"1 / 0\n", "expected a Python file that loads, got ZeroDivisionError"),
+        (b"raise SystemExit\n", "expected a Python file that loads, got SystemExit"),
         (b"\xff\xfe\x00", "expected a Python file that loads, got "),
         (b"", "unknown class Mine; known: none"),
         (UNRESOLVED, "expected annotations that resolve .*'Scene' is not defined"),
