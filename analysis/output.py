@@ -1,5 +1,6 @@
 """The folder that a comparison is written to: all of it, or nothing."""
 
+import os
 import re
 import tempfile
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..sim.frame_log import FrameLog
 from ..sim.frame_log_file import read_frame_log, write_frame_log
+from ..traces.whole_file import whole_text_file
 from .comparison import Comparison, encode_comparison, read_comparison
 from .report.render import render_report
 
@@ -21,9 +23,10 @@ def check_target(folder: Path) -> None:
     Raises
     ------
     InputError
-        If it is a file, or has other files in it, which would be lost.
+        If it is a file, has other files in it, which would be lost, or could not be written.
     """
     if not folder.exists():
+        _check_writable(next(parent for parent in folder.absolute().parents if parent.exists()))
         return
     if not folder.is_dir():
         raise InputError("expected a folder to write to, got a file; name a folder", path=folder)
@@ -36,6 +39,16 @@ def check_target(folder: Path) -> None:
             "expected a new folder or one that `lodbench compare` wrote, got one that holds "
             f"{(others + strange)[0]}; name another",
             path=folder,
+        )
+    _check_writable(folder.absolute().parent)
+
+
+def _check_writable(parent: Path) -> None:
+    """Refuse before the work what would fail after it."""
+    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
+        raise InputError(
+            "expected a folder that can be written to, got one that cannot; name another",
+            path=parent,
         )
 
 
@@ -115,10 +128,6 @@ def rewrite_report(folder: Path) -> Path:
     """
     comparison, logs = read_results(folder)
     target = folder / _REPORT
-    partial = target.with_name(f".{_REPORT}.partial")
-    try:
-        partial.write_text(render_report(comparison, logs), encoding="utf-8")
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_text_file(target) as file:
+        file.write(render_report(comparison, logs))
     return target

@@ -32,8 +32,7 @@ def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
     """
     refuse_selector(selector, path, "native CSV")
     first = read_lines(path)[0]
-    marked = first.startswith(MARK)
-    header = decode_header(first[len(MARK) :], path, 1) if marked else Header(path.stem)
+    header = _header(first, path)
     numbered = data_lines(path)
     line, text = next(numbered, (1, ""))
     columns = [name.strip() for name in text.split(",")]
@@ -64,6 +63,21 @@ def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
         origin_s=header.origin_s,
         repairs=header.made_repairs(),
     )
+
+
+def _header(first: str, path: Path) -> Header:
+    """Record in the first line, or the header of a file written by hand."""
+    if first.startswith(MARK):
+        return decode_header(first[len(MARK) :], path, 1)
+    family, version = SCHEMA.split("/")
+    if first.startswith(f"# {family}/"):
+        raise InputError(
+            f"expected version {version} of {family}, got {first[2:60]!r}; "
+            "write the trace with this version of lodbench",
+            path=path,
+            line=1,
+        )
+    return Header(path.stem)
 
 
 def write_csv(trace: CameraTrace, path: Path) -> None:

@@ -101,7 +101,7 @@ def _kept_samples(times: FloatArray, path: Path, lines: Sequence[int]) -> NDArra
     if backward.size:
         at = int(backward[0]) + 1
         raise InputError(
-            f"expected times in order, got {times[at]:.9g} after {times[at - 1]:.9g}; "
+            f"expected times in order, got {times[at]:.15g} after {times[at - 1]:.15g}; "
             "sort the samples, or cut the file where the clock was set back",
             path=path,
             line=lines[at],

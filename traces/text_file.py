@@ -73,5 +73,5 @@ def _read_bytes(path: Path) -> bytes:
             f"expected a file that can be read, got {reason}; check the path", path=path
         ) from error
     if not data.strip():
-        raise InputError("expected a log, got an empty file; record it again", path=path)
+        raise InputError("expected text, got an empty file; write it again", path=path)
     return data

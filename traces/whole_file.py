@@ -8,22 +8,24 @@ from typing import TextIO
 
 from ..errors import InputError
 
-__all__ = ["whole_text_file"]
+__all__ = ["whole_file", "whole_text_file"]
 
 
 @contextmanager
-def whole_text_file(path: Path) -> Generator[TextIO]:
-    """Open a UTF-8 file under a temporary name beside `path`, and rename it when all is written.
+def whole_file(path: Path) -> Generator[Path]:
+    """Yield a temporary name beside `path`, and rename that file when all is written.
 
     Raises
     ------
     InputError
-        If the file cannot be written; one that was there before stays as it was.
+        If the file cannot be written, or `path` is a folder or a device, which a rename would
+        replace; a file that was there before stays as it was.
     """
+    if path.exists() and not path.is_file():
+        raise InputError("expected a file, got a folder or device; name a file", path=path)
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     try:
-        with partial.open("w", encoding="utf-8", newline="") as file:
-            yield file
+        yield partial
         partial.replace(path)
     except OSError as error:
         raise InputError(
@@ -32,3 +34,10 @@ def whole_text_file(path: Path) -> Generator[TextIO]:
         ) from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_text_file(path: Path) -> Generator[TextIO]:
+    """Open a UTF-8 file that is written as `whole_file` does, which may raise its errors."""
+    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+        yield file

@@ -1,12 +1,12 @@
 """Write a camera trace to a file, whole or not at all."""
 
-import os
 from pathlib import Path
 
 from ..errors import InputError
 from .camera import CameraTrace
 from .format import TraceFormat
 from .read import FORMATS
+from .whole_file import whole_file
 
 __all__ = ["format_for_writing", "write_trace"]
 
@@ -27,17 +27,8 @@ def write_trace(trace: CameraTrace, path: Path, format_name: str | None = None) 
     """
     chosen = format_for_writing(path, format_name)
     assert chosen.write is not None
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
+    with whole_file(path) as partial:
         chosen.write(trace, partial)
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(
-            f"expected a file that can be written, got {error.strerror or error}; check the folder",
-            path=path,
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)
     return chosen
 
 

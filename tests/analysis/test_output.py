@@ -169,3 +169,10 @@ def test_missing_frame_log_is_refused(results: Results, tmp_path: Path) -> None:
     (folder / "frames" / "full.parquet").unlink()
     with pytest.raises(InputError, match=r"full\.parquet"):
         output.rewrite_report(folder)
+
+
+def test_what_cannot_be_written_is_refused_before_the_work(tmp_path: Path) -> None:
+    """A new folder below a file can never be made, which is known before any replay."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="file: expected a folder that can be written to"):
+        output.check_target(tmp_path / "file" / "run")

@@ -219,7 +219,7 @@ BROKEN: dict[str, tuple[Callable[[str], str | bytes], str]] = {
         "1: expected each column once, got dropped twice",
     ),
     "no rows": (lambda log: log.partition("\n")[0], "1: expected rows below the header, got none"),
-    "empty": (lambda _: "", " expected a log, got an empty file"),
+    "empty": (lambda _: "", " expected text, got an empty file"),
     "binary": (lambda _: b"\x89PNG\r\n\x1a\n\0\0", "1: expected UTF-8 text, got byte 0x89"),
     "zero byte": (lambda log: log.replace("game", "ga\0e", 1), "2: expected text, got a zero byte"),
     "unmarked UTF-16": (lambda log: log.encode("utf-16-le"), "1: expected text, got a zero byte"),

@@ -33,8 +33,8 @@ def test_same_text_in_every_encoding(tmp_path: Path, data: bytes, encoding: str)
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"", r"log\.csv: expected a log, got an empty file"),
-        (b" \r\n\n", r"log\.csv: expected a log, got an empty file"),
+        (b"", r"log\.csv: expected text, got an empty file"),
+        (b" \r\n\n", r"log\.csv: expected text, got an empty file"),
         (b"a\nb\nc\xff", r"log\.csv:3: expected UTF-8 text, got byte 0xff"),
         (b"a\nb\0", r"log\.csv:2: expected text, got a zero byte"),
         ("a,b".encode("utf-16-le"), r"log\.csv:1: expected text, got .*UTF-16 without"),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from lodbench.errors import InputError
 from lodbench.traces.whole_file import whole_text_file
 
 
@@ -35,3 +36,13 @@ def test_interruption_leaves_the_old_file(
         write_half()
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_device_is_not_replaced() -> None:
+    """Renaming onto /dev/null would leave a plain file in its place."""
+    with (
+        pytest.raises(InputError, match="null: expected a file, got a folder or device"),
+        whole_text_file(Path("/dev/null")),
+    ):
+        pass
+    assert Path("/dev/null").is_char_device()
