@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import InputError
 from ..models.arrays import FloatArray
 
-__all__ = ["RobustFit", "heldout_errors_pct", "robust_nnls"]
+__all__ = ["RobustFit", "robust_nnls"]
 
 _STEPS = 500
 _TOLERANCE = 1e-9
@@ -106,12 +106,3 @@ def _require_usable(predictors: FloatArray, time_ms: FloatArray) -> None:
 def _scale(residual: FloatArray, weight: FloatArray) -> float:
     """Return the scale of Student's t for these residuals, never quite zero."""
     return max(float(np.sqrt(np.mean(weight * residual**2))), 1e-9)
-
-
-def heldout_errors_pct(fit: RobustFit, predictors: FloatArray, time_ms: FloatArray) -> FloatArray:
-    """Return the prediction's error in per cent of the measured time, (n,).
-
-    The sign and denominator are those of the thesis on hierarchical levels of detail: estimate
-    over measurement, minus one.
-    """
-    return 100.0 * (fit.predict(predictors) / time_ms - 1.0)

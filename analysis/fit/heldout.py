@@ -6,7 +6,7 @@ is the strictest.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ SPLITS = ("blocks", "halves", "interleaved", "leave-one-out")
 
 _FEW = 40  # frames, below which each is left out in turn
 _MOST_ROWS = 20_000
+_GOOD_PCT = 3.0  # mean error, up to which no reason is looked for
+_COVERED = (0.8, 0.97)
 _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
@@ -41,6 +43,8 @@ class HeldOut:
     error_pct_quantiles : at 5, 25, 50, 75 and 95 %
     coverage_90 : share of frames inside their 90 % predictive interval
     log_score : mean log predictive density of a frame, in nats
+    open_pct : deviation of the mean error over posterior samples: what the fit leaves open
+    reason : why the prediction is off, if it is, one sentence
     """
 
     split: str
@@ -50,6 +54,8 @@ class HeldOut:
     error_pct_quantiles: tuple[float, ...]
     coverage_90: float
     log_score: float
+    open_pct: float = 0.0
+    reason: str = ""
 
 
 def block_numbers(series: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -100,48 +106,86 @@ def hold_out(
         split = "leave-one-out" if len(sample) <= _FEW else "blocks"
     if split not in SPLITS:
         raise InputError(f"--heldout: expected one of {', '.join(SPLITS)}, got {split}")
-    if split == "leave-one-out":
-        if len(sample) > 10 * _FEW:
-            raise InputError(
-                f"--heldout leave-one-out: expected at most {10 * _FEW} frames, since each is one "
-                f"fit, got {len(sample)}; use blocks"
-            )
-        folds = [np.arange(len(sample)) != row for row in range(len(sample))]
-    else:
-        folds = [split_of(sample, split)]
-    parts = [
-        _predict(estimate(sample.rows(fitted), terms, model, options), sample.rows(~fitted))
-        for fitted in folds
+    if split != "leave-one-out":
+        fitted = split_of(sample, split)
+        part = estimate(sample.rows(fitted), terms, model, options)
+        return judge(part, sample.rows(~fitted), split)
+    if len(sample) > 10 * _FEW:
+        raise InputError(
+            f"--heldout leave-one-out: expected at most {10 * _FEW} frames, since each is one "
+            f"fit, got {len(sample)}; use blocks"
+        )
+    rows = np.arange(len(sample))
+    predictions = [
+        _predict(
+            estimate(sample.rows(rows != row), terms, model, options), sample.rows(rows == row)
+        )
+        for row in rows
     ]
-    errors, covered, score = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return _summary(split, errors, covered, score)
+    return _summary(split, predictions)
 
 
 def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
-    """Return how well a fitted model predicts the frames of another log."""
-    return _summary(name, *_predict(fitted, sample))
+    """Return how well a fitted model predicts other frames, and the reason if it does not."""
+    prediction = _predict(fitted, sample)
+    found = _summary(name, [prediction])
+    good = (
+        abs(found.error_pct_mean) <= _GOOD_PCT and _COVERED[0] <= found.coverage_90 <= _COVERED[1]
+    )
+    return found if good else replace(found, reason=_reason(fitted, sample, found))
 
 
-def _predict(fitted: Estimate, sample: Sample) -> tuple[FloatArray, BoolArray, FloatArray]:
-    """Return errors in per cent, whether intervals cover, and log densities, (n,) each."""
+def _reason(fitted: Estimate, sample: Sample, found: HeldOut) -> str:
+    """Return in words why other frames are predicted badly, as far as the frames tell."""
+    mean = design_of(sample, fitted.terms, fitted.design.unit).columns.mean(axis=1)
+    own = fitted.design.columns.mean(axis=1)
+    names = fitted.design.names
+    held = ", ".join(
+        f"{there / here:.2f} times the {name}"
+        for name, there, here in zip(names[1:], mean[1:], own[1:], strict=True)
+    )
+    left_open = f"what the fit leaves open is {found.open_pct:.1f} %"
+    if abs(found.error_pct_mean) <= 2.0 * found.open_pct:
+        why = "so coefficients are too uncertain for this mixture of predictors"
+    else:
+        why = "so these frames cost what no predictor counts, or the machine ran otherwise"
+    return f"frames hold {held} of the fitted ones; {left_open}, {why}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Prediction:
+    """Errors in per cent, whether intervals cover, log densities, (n,) each; mean errors, (S,)."""
+
+    errors: FloatArray
+    covered: BoolArray
+    score: FloatArray
+    means: FloatArray
+
+
+def _predict(fitted: Estimate, sample: Sample) -> _Prediction:
     step = max(1, -(-len(sample) // _MOST_ROWS))
     sample = sample.rows(np.arange(0, len(sample), step))
     design = design_of(sample, fitted.terms, fitted.design.unit)
     draws = fitted.draws.fitting(len(sample))
     mean, simulated = draws.simulate(design, np.random.default_rng(0))
     low, high = np.quantile(simulated, (0.05, 0.95), axis=0)
-    covered = (sample.time_ms >= low) & (sample.time_ms <= high)
-    errors = 100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0)
-    return errors, covered, draws.log_density(design, sample.time_ms)
+    return _Prediction(
+        100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0),
+        (sample.time_ms >= low) & (sample.time_ms <= high),
+        draws.log_density(design, sample.time_ms),
+        100.0 * (mean / sample.time_ms - 1.0).mean(axis=1),
+    )
 
 
-def _summary(split: str, errors: FloatArray, covered: BoolArray, score: FloatArray) -> HeldOut:
+def _summary(split: str, predictions: Sequence[_Prediction]) -> HeldOut:
+    errors = np.concatenate([prediction.errors for prediction in predictions])
     return HeldOut(
         split,
         len(errors),
         float(errors.mean()),
         float(errors.std()),
         tuple(np.quantile(errors, _QUANTILES).tolist()),
-        float(covered.mean()),
-        float(score.mean()),
+        float(np.concatenate([prediction.covered for prediction in predictions]).mean()),
+        float(np.concatenate([prediction.score for prediction in predictions]).mean()),
+        float(np.mean([prediction.means.std() for prediction in predictions])),
     )

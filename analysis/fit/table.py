@@ -22,6 +22,9 @@ def print_fit(record: dict[str, Any], console: Console) -> None:
         console.print(line, markup=False)
     if record["heldout"] or record["transfer"]:
         console.print(_errors(record))
+        for item in filter(None, (record["heldout"], *record["transfer"])):
+            if item["reason"]:
+                console.print(f"  {item['split']}: {item['reason']}", markup=False)
         console.print(f"  {THESIS}", markup=False)
 
 

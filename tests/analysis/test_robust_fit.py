@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from lodbench.analysis.robust_fit import heldout_errors_pct, robust_nnls
+from lodbench.analysis.robust_fit import robust_nnls
 from lodbench.errors import InputError
 
 TRUE_BASE, TRUE_SLOPES = 2.0, np.array([0.03, 70e-6])
@@ -103,10 +103,3 @@ def test_data_that_cannot_be_fitted_are_refused(rows: int, time: float, says: st
     """Too few frames, and times that are no measurements."""
     with pytest.raises(InputError, match=says):
         robust_nnls(np.ones((rows, 1)), np.full(rows, time))
-
-
-def test_held_out_error_is_estimate_over_measurement():
-    """A model that says 11 ms where 10 ms were measured errs by +10 %."""
-    fit = robust_nnls(np.arange(1.0, 9.0)[:, np.newaxis], np.arange(1.0, 9.0))
-    error = heldout_errors_pct(fit, np.array([[11.0]]), np.array([10.0]))
-    assert error == pytest.approx([10.0])

@@ -20,7 +20,7 @@ def synthetic(kind: str = "clean", *, seed: int = 0, frames: int = 150) -> Sampl
     is an autoregression with 0.8.
     """
     kinds = ("clean", "outliers", "heteroscedastic", "collinear", "correlated")
-    rng = np.random.default_rng((seed, kinds.index(kind)))
+    rng = np.random.default_rng((seed, 77, kinds.index(kind)))
     draws, triangles = rng.uniform(50, 400, frames), rng.uniform(2e5, 2e6, frames)
     if kind == "collinear":
         draws = triangles / 5e3 * (1.0 + 0.01 * rng.standard_normal(frames))

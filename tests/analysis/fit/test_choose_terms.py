@@ -1,6 +1,7 @@
 """Terms chosen by held-out log score, and the logs that have none to choose from."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def test_the_terms_that_made_the_times_are_chosen(make_sample: MakeSample, kind:
     assert [str(term) for term in terms] == ["draw_calls", "triangles"]
     assert len(candidates) == 7
     assert candidates[0].behind == pytest.approx(0.0, abs=1e-12)
-    assert all(a.log_score >= b.log_score for a, b in zip(candidates, candidates[1:], strict=False))
+    assert all(a.log_score >= b.log_score for a, b in pairwise(candidates))
 
 
 def test_of_terms_that_say_the_same_the_smaller_set_is_chosen(make_sample: MakeSample):
@@ -74,7 +75,7 @@ def test_candidates_are_what_all_logs_hold_and_what_varies():
 
 def test_a_log_without_predictors_is_told_which_are_missing():
     """All that would do are named."""
-    with pytest.raises(InputError, match="draw_calls, vertices, triangles.*none of them"):
+    with pytest.raises(InputError, match=r"draw_calls, vertices, triangles.*none of them"):
         candidate_predictors([log_of()], "gpu_ms")
-    with pytest.raises(InputError, match="expected predictors that vary, got .* triangles"):
+    with pytest.raises(InputError, match=r"expected predictors that vary, got .* triangles"):
         candidate_predictors([log_of(triangles=[5.0] * 4)], "gpu_ms")

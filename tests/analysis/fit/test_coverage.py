@@ -64,7 +64,7 @@ def test_what_collinear_columns_share_is_covered(make_sample: MakeSample, truth_
         coefficients = found.coefficients_ms
         (group,) = examine(found.design, found.chain.flat[:, :3].mean(axis=0)).groups
         columns = [found.design.names.index(name) for name in group.names]
-        truth = np.array([base_ms, draw_ms, triangle_ms])[columns] @ group.ratio
+        truth = float(np.array([base_ms, draw_ms, triangle_ms])[columns] @ group.ratio)
         covered[seed] = [
             covers(coefficients[:, 0], base_ms),
             covers(coefficients[:, columns] @ group.ratio, truth),

@@ -1,6 +1,7 @@
 """Likelihoods and priors against scipy's densities, row by row."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,8 +49,8 @@ def test_gaussian_likelihood_is_the_sum_of_log_densities(
     found = GaussianLikelihood(design, sample.time_ms)(theta)
     for row, value in zip(theta, found, strict=True):
         mean = design.mean(row[np.newaxis, :-1])[0]
-        expected = stats.norm.logpdf(sample.time_ms, mean, np.exp(0.3)).sum()
-        assert value == pytest.approx(expected, rel=1e-12)
+        expected: Any = stats.norm.logpdf(sample.time_ms, mean, np.exp(0.3))
+        assert value == pytest.approx(float(expected.sum()), rel=1e-12)
 
 
 @pytest.mark.parametrize("terms", TERMS)
@@ -65,8 +66,8 @@ def test_student_likelihood_is_the_sum_of_log_densities(
     for row, value in zip(theta, found, strict=True):
         mean = design.mean(row[np.newaxis, :-3])[0]
         scale = np.exp(-0.5) * (0.7 + 0.3 * mean / 12.0)
-        expected = stats.t.logpdf(sample.time_ms, 4.0, loc=mean, scale=scale).sum()
-        assert value == pytest.approx(expected, rel=1e-12)
+        expected: Any = stats.t.logpdf(sample.time_ms, 4.0, loc=mean, scale=scale)
+        assert value == pytest.approx(float(expected.sum()), rel=1e-12)
 
 
 def test_blocks_of_walkers_change_nothing(make_sample: MakeSample):
@@ -89,16 +90,17 @@ def test_the_posterior_adds_priors_and_knows_its_bounds(make_sample: MakeSample)
 
     def prior(row: np.ndarray) -> float:
         dof = 1.0 / row[5]
+        coefficients: Any = stats.halfnorm.logpdf(row[:3], scale=24.0)
         return float(
-            stats.halfnorm.logpdf(row[:3], scale=24.0).sum()
-            + stats.halfnorm.logpdf(np.exp(row[3]), scale=12.0)
+            coefficients.sum()
+            + float(stats.halfnorm.logpdf(np.exp(row[3]), scale=12.0))
             + row[3]
             + stats.gamma.logpdf(dof, 2.0, scale=10.0)
             + 2.0 * np.log(dof)
         )
 
     theta[1:, 5], theta[2:, 3] = 0.5, 0.7
-    expected = [prior(row) for row in theta] + 0.25 * likelihood(theta)
+    expected = np.array([prior(row) for row in theta]) + 0.25 * likelihood(theta)
     found = posterior(theta)
     assert found - found[0] == pytest.approx(expected - expected[0], rel=1e-9)
     outside = np.tile(theta[0], (4, 1))

@@ -103,7 +103,7 @@ def test_plain_emcee_finds_the_same_posterior(make_sample: MakeSample):
 def test_the_same_seed_gives_the_same_chain_and_another_seed_another(make_sample: MakeSample):
     """Bit for bit, whatever the global random state."""
     frames = make_sample()
-    chains = []
+    chains: list[Any] = []
     for seed in (1, 1, 2):
         np.random.seed(seed + 10)  # noqa: NPY002  # must not matter
         options = SamplerOptions(max_steps=250, seed=seed)
@@ -217,7 +217,7 @@ def test_a_fit_needs_more_frames_than_coefficients(make_sample: MakeSample):
 
 
 def test_a_roofline_is_found_again(make_sample: MakeSample):
-    """Of max(triangles, samples) both sides are recovered, as long as each is the larger at times."""
+    """Of max(triangles, samples) both sides are recovered, if each is the larger at times."""
     frames = make_sample(seed=2, frames=400)
     rng = np.random.default_rng(3)
     shaded = rng.uniform(0.0, 2e6, 400)

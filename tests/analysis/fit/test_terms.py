@@ -19,7 +19,10 @@ SMALL = Sample(
 
 def test_all_kinds_of_terms_are_read():
     """Predictors, a type's own, products and a roofline with two geometry predictors."""
-    text = "draw_calls, triangles[oak, old],draw_calls*triangles,max(vertices+triangles, shaded_samples)"
+    text = (
+        "draw_calls, triangles[oak, old],draw_calls*triangles,"
+        "max(vertices+triangles, shaded_samples)"
+    )
     with pytest.raises(InputError, match=r"got triangles\[oak"):
         parse_terms(text)
     terms = parse_terms(text.replace("oak, old", "oak"))
