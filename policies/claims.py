@@ -17,7 +17,7 @@ class Claims:
         With the true cost model and no noise, neither the predicted time nor the time itself
         exceeds the budget, unless that of the coarsest selection does.
     monotone : bool
-        More budget never lowers the benefit of a frame.
+        More budget never lowers the benefit of a frame of a flat scene.
     settles_frames : int or None
         Frames after which a camera at rest changes no level any more; None if that may never be.
     hysteresis : bool
