@@ -3,17 +3,31 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .comparison import Comparison, PolicyResult
+from .comparison import Comparison, PolicyResult, Status
 from .metrics.registry import METRICS
 
 if TYPE_CHECKING:  # rich is loaded by the command that prints
+    from collections.abc import Iterator
+
     from rich.console import Console
     from rich.table import Table
 
-__all__ = ["ABSENT", "HEADLINE", "Column", "best_labels", "format_value", "print_comparison"]
+__all__ = [
+    "ABSENT",
+    "HEADLINE",
+    "Column",
+    "best_labels",
+    "describe_run",
+    "format_value",
+    "print_comparison",
+    "unscored",
+]
 
 ABSENT = "–"
 BEST, ON_FRONT, BOUND = "*", "•", ">"
+_LABEL_WIDTH = 20
+"""Longer labels are folded, unless the terminal has more room than `_NUMBERS_WIDTH` for numbers."""
+_NUMBERS_WIDTH = 80
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,21 +82,29 @@ def best_labels(comparison: Comparison, metric: str) -> set[str]:
 
 def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) -> None:
     """Print the run in one line, its table, and what the marks mean."""
-    console.print(describe_run(comparison), style="bold", soft_wrap=True)
+    console.print(describe_run(comparison), style="bold")
     if comparison.ok:
         if wide:
             for table in _wide_tables(comparison, console.width):
                 console.print("", table)
         else:
-            console.print("", _short_table(comparison), "", sep="\n")
-    for policy in comparison.policies:
-        if policy.status != "ok":
-            style = "bold red" if policy.status == "failed" else "yellow"
-            console.print(
-                f"{policy.status}: {policy.label}: {policy.reason}", style=style, soft_wrap=True
-            )
+            for table in _short_tables(comparison, console):
+                console.print("", table)
+            console.print()
+    for status, labels, reason in unscored(comparison):
+        style = "bold red" if status == "failed" else "yellow"
+        console.print(f"{status}: {', '.join(labels)}: {reason}", style=style, soft_wrap=True)
     if comparison.ok:
         console.print(explain_marks(comparison), style="dim")
+
+
+def unscored(comparison: Comparison) -> list[tuple[Status, list[str], str]]:
+    """Return status, labels and reason of what has no scores, one entry for each reason."""
+    groups: dict[tuple[Status, str], list[str]] = {}
+    for policy in comparison.policies:
+        if policy.status != "ok":
+            groups.setdefault((policy.status, policy.reason or ""), []).append(policy.label)
+    return [(status, labels, reason) for (status, reason), labels in groups.items()]
 
 
 def describe_run(comparison: Comparison) -> str:
@@ -93,13 +115,20 @@ def describe_run(comparison: Comparison) -> str:
         hardware += " (assumed)"
     parts = (
         f"{comparison.scene}, {c.nodes:,} nodes",
-        f"{comparison.trace}, {c.trace_s:.1f} s",
+        f"{comparison.trace}, {c.trace_s:.1f} s{_frames(comparison)}",
         hardware,
         f"budget {comparison.budget_ms:.4g} ms",
         c.display if c.display in {"immediate", "vrr"} else f"{c.display} {c.refresh_hz:g} Hz",
         f"seed {comparison.seed}",
     )
     return " · ".join(parts)
+
+
+def _frames(comparison: Comparison) -> str:
+    counts = {policy.frames for policy in comparison.ok}
+    if not counts:
+        return ""
+    return f", {'up to ' if len(counts) > 1 else ''}{max(counts):,} frames"
 
 
 def explain_marks(comparison: Comparison) -> str:
@@ -119,19 +148,34 @@ def _name(policy: PolicyResult, comparison: Comparison) -> str:
     return f"{mark} {policy.label}{' (oracle)' if policy.oracle else ''}"
 
 
-def _short_table(comparison: Comparison) -> "Table":
+def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table]":
+    """Return the headline, as many of its columns beside each other as fit."""
+    label_width = max(_LABEL_WIDTH, console.width - _NUMBERS_WIDTH)
+    unbounded = console.options.update(max_width=1000)
+    left = HEADLINE
+    while left:
+        tables = [
+            _short_table(comparison, left[:count], label_width) for count in range(len(left), 0, -1)
+        ]
+        widths = (console.measure(table, options=unbounded).maximum for table in tables)
+        skip = next((i for i, width in enumerate(widths) if width <= console.width), -1)
+        yield tables[skip]
+        left = left[len(tables[skip].columns) - 1 :]
+
+
+def _short_table(comparison: Comparison, columns: tuple[Column, ...], label_width: int) -> "Table":
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
-    table.add_column("policy", overflow="fold", min_width=12)
-    for column in HEADLINE:
+    table.add_column("policy", overflow="fold", max_width=label_width)
+    for column in columns:
         table.add_column(column.header, justify="right", no_wrap=True)
-    best = {column.metric: best_labels(comparison, column.metric) for column in HEADLINE}
+    best = {column.metric: best_labels(comparison, column.metric) for column in columns}
     for policy in comparison.ok:
         cells = [Text(_name(policy, comparison))]
-        for column in HEADLINE:
+        for column in columns:
             metric = column.metric
             text = format_value(policy.metrics[metric].value, percent=column.percent)
             if metric == "settle_ms" and not all(step.settled for step in policy.steps):

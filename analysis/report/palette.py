@@ -22,11 +22,6 @@ class Ink:
     dash: str
     symbol: str
 
-    @property
-    def repeated(self) -> bool:
-        """Whether another policy has the same colour."""
-        return self.dash != _DASHES[0]
-
 
 def inks(comparison: Comparison) -> dict[str, Ink]:
     """Return the ink of each policy, by label; oracles are grey, and not in anyone's way."""

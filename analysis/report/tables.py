@@ -7,7 +7,7 @@ from ... import __version__
 from ..comparison import Comparison, PolicyResult, Score
 from ..metrics.registry import METRICS, find_metric
 from ..metrics.steps import APART_NS, Step
-from ..table import ABSENT, HEADLINE, best_labels, format_value
+from ..table import ABSENT, HEADLINE, best_labels, format_value, unscored
 from .palette import Ink
 
 __all__ = ["failures", "headline", "metric_table", "provenance", "step_table", "verdicts"]
@@ -19,6 +19,8 @@ _LEADERS = (
     ("Least flicker", "toggles_per_frame"),
     ("Least error", "sse_px_p95"),
 )
+_MOST_NAMED = 3
+"""Policies of equal score that are named as leaders; the table below marks them all."""
 
 
 def verdicts(comparison: Comparison, ink: dict[str, Ink]) -> str:
@@ -28,7 +30,9 @@ def verdicts(comparison: Comparison, ink: dict[str, Ink]) -> str:
 
 def _verdict(comparison: Comparison, ink: dict[str, Ink], title: str, metric: str) -> str:
     best = [policy for policy in comparison.ok if policy.label in best_labels(comparison, metric)]
-    names = ", ".join(_chip(policy, ink) for policy in best) or "no difference"
+    names = ", ".join(_chip(policy, ink) for policy in best[:_MOST_NAMED]) or "no difference"
+    if len(best) > _MOST_NAMED:
+        names += f" and {len(best) - _MOST_NAMED} more"
     detail = ""
     if best:
         score = best[0].metrics[metric]
@@ -64,12 +68,11 @@ def headline(comparison: Comparison, ink: dict[str, Ink]) -> str:
 def failures(comparison: Comparison) -> str:
     """Return the policies that have no scores, and why."""
     items = [
-        f"<li><b>{escape(policy.label)}</b> {escape(policy.status)}: "
-        f"{escape(policy.reason or '')}</li>"
-        for policy in comparison.policies
-        if policy.status != "ok"
+        f"<li><b class={status}>{escape(', '.join(labels))}</b> {escape(status)}: "
+        f"{escape(reason)}</li>"
+        for status, labels, reason in unscored(comparison)
     ]
-    return f'<ul class="failed">{"".join(items)}</ul>' if items else ""
+    return f'<ul class="unscored">{"".join(items)}</ul>' if items else ""
 
 
 def step_table(comparison: Comparison, ink: dict[str, Ink], drawn: list[Step]) -> str:
@@ -166,8 +169,7 @@ def _table(head: str, rows: Iterable[str]) -> str:
 
 def _chip(policy: PolicyResult, ink: dict[str, Ink]) -> str:
     drawn = ink[policy.label]
-    hollow = " hollow" if drawn.repeated else ""
-    chip = f'<span class="chip{hollow}" style="color:{drawn.color}"></span>'
+    chip = f'<span class="chip {drawn.symbol}" style="color:{drawn.color}"></span>'
     return f"{chip}{escape(policy.label)}"
 
 

@@ -1,6 +1,7 @@
 """The tables of the terminal."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -66,10 +67,28 @@ def test_short_table_fits_in_100_columns(comparison: Comparison) -> None:
     assert "…" not in text
 
 
+@pytest.mark.parametrize("width", [40, 80])
+def test_narrow_terminal_gets_several_short_tables(comparison: Comparison, width: int) -> None:
+    """Columns that do not fit stand below the others, none is cut, and every row has its name."""
+    text = printed(comparison, width)
+    tables = text.count("\npolicy ")
+    assert tables > 1
+    assert text.count(" full ") == tables
+    assert "…" not in text
+    assert max(len(line) for line in text.splitlines() if " full " in line) <= width
+
+
+def test_policies_of_one_reason_share_a_line(comparison: Comparison) -> None:
+    """Policies that do not fit the scene are named once, before what they have in common."""
+    other = replace(comparison.policies[3], label="other-trees")
+    text = printed(replace(comparison, policies=(*comparison.policies, other)), 100)
+    assert "mine.py:OnlyTrees, other-trees: the scene is flat" in text
+
+
 def test_table_says_what_was_replayed(comparison: Comparison) -> None:
     """Scene, trace, hardware that is assumed, budget and warm-up are named."""
     text = printed(comparison, 100)
-    for part in ("small, 60 nodes", "turn, 3.0 s", "machine (assumed)", "budget 8 ms"):
+    for part in ("small, 60 nodes", "turn, 3.0 s, up to 751 frames", "machine (assumed)", "budget 8 ms"):
         assert part in text
     assert "first 30 frames are warm-up" in text
 
