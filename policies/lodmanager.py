@@ -60,7 +60,7 @@ class LodManager:
 
     slots: int = 32  # ours: N_T is left to the user; steps of 3 %
     spacing: float = 1.0  # linear; above 1 slots are finer near the eye, as in section 4.3
-    sharing: bool = True
+    sharing: bool = True  # the paper; off is its baseline
     active: int | None = None  # N_a, left to the user; None: no list, every object in the frustum
     outside: float = 0.25  # ours: the paper's penalty is not printed
     gain: float = 1.02  # ours: n; the paper draws its curves with 2, too strong for every frame
