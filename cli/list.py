@@ -57,10 +57,12 @@ def known(kind: Kind) -> list[Item]:
 def _policies() -> Iterator[Item]:
     from dataclasses import asdict
 
+    from ..policies.claims import claims_of
     from ..policies.registry import REGISTERED, parameters, parse_policy
 
     for name in sorted(REGISTERED):
-        cls = parse_policy(name).cls
+        spec = parse_policy(name)
+        cls, claims = spec.cls, claims_of(spec.make())
         said = _headings(inspect.getdoc(cls) or "")
         comments = _default_comments(inspect.getsource(cls))
         capabilities: dict[str, bool] = asdict(cls.capabilities)
@@ -75,8 +77,21 @@ def _policies() -> Iterator[Item]:
             "cost_per_frame": said["Cost per frame"],
             "capabilities": [key for key, has in capabilities.items() if has and key != "future"],
             "oracle": capabilities["future"],
+            "claims": [
+                *(key for key, holds in asdict(claims).items() if holds is True),
+                *_rest(claims.settles_frames),
+            ],
             "reference": said["Reference"],
         }
+
+
+def _rest(frames: int | None) -> list[str]:
+    """Say after how many frames a policy rests, if it claims to."""
+    if frames is None:
+        return []
+    if frames == 0:
+        return ["rests at once"]
+    return [f"rests after {frames} frame{'s' * (frames != 1)}"]
 
 
 def _headings(docstring: str) -> dict[str, str]:

@@ -18,13 +18,19 @@ def row(*cells: str) -> str:
 
 def overview(items: list[Item]) -> Iterator[str]:
     """Yield a table of all policies."""
-    yield row("policy", "drives", "parameters", "sees the future")
-    yield row("---", "---", "---", "---")
+    yield row("policy", "drives", "claims", "parameters", "published source")
+    yield row("---", "---", "---", "---", "---")
     for item in items:
         link = f"[`{item['name']}`](#{item['name']})"
         parameters = ", ".join(f"`{p['name']}`" for p in item["parameters"]) or "none"
-        oracle = "yes" if item["oracle"] else "no"
-        yield row(link, ", ".join(item["capabilities"]), parameters, oracle)
+        drives = ", ".join(item["capabilities"]) + "; sees the future" * item["oracle"]
+        claims = ", ".join(item["claims"]) or "none"
+        yield row(link, drives, claims, parameters, source(item["reference"]))
+
+
+def source(reference: str) -> str:
+    """Return what a reference names first."""
+    return re.split(r"; |\. (?=[A-Z])|\.$", reference)[0]
 
 
 def section(item: Item) -> Iterator[str]:

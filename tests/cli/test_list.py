@@ -69,7 +69,16 @@ def test_feedback_as_listed() -> None:
     gain = {"name": "gain", "default": 0.5, "comment": "Unreal's square root"}
     assert gain in feedback["parameters"]
     assert feedback["oracle"] is False
+    assert feedback["claims"] == []
     assert "levels" in feedback["capabilities"]
+
+
+def test_claims_as_listed() -> None:
+    """Claims of three policies with their defaults: properties that hold, and when they rest."""
+    claims = {item["name"]: item["claims"] for item in known(Kind.POLICIES)}
+    assert claims["wimmer"] == ["budget", "monotone", "rests at once"]
+    assert claims["mason-blake"] == ["budget", "rests after 1 frame"]
+    assert claims["maciel"] == ["budget", "rests after 10 frames"]
 
 
 def test_metric_ids_are_distinct_and_have_units(capsys: pytest.CaptureFixture[str]) -> None:
