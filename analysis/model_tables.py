@@ -35,13 +35,15 @@ class Memory:
     Attributes
     ----------
     single : the mesh at one resolution, vertices and indices
-    order : beside it, substitutes of the vertices and counts of the steps
-    restarts : beside both, the restart lists
-    levels : beside the mesh, discrete levels of half the triangles each, down to 32
+    substitutes : beside it, the substitute of each vertex
+    counts : triangles and vertices after each step
+    restarts : the restart lists
+    levels : instead of all three, discrete levels of half the triangles each, down to 32
     """
 
     single: int
-    order: int
+    substitutes: int
+    counts: int
     restarts: int
     levels: int
 
@@ -71,7 +73,8 @@ def memory_of(ordered: OrderedMesh) -> Memory:
     levels = [full >> i for i in range(1, 32) if full >> i >= 32]
     return Memory(
         _VERTEX_BYTES * int(ordered.vertices_after[0]) + _TRIANGLE_BYTES * full,
-        ordered.target.nbytes + ordered.vertices_after.nbytes + ordered.faces_after.nbytes,
+        ordered.target.nbytes,
+        ordered.vertices_after.nbytes + ordered.faces_after.nbytes,
         sum(restart.faces.nbytes for restart in ordered.restarts[1:]),
         sum(round(count * (_VERTEX_BYTES * ratio + _TRIANGLE_BYTES)) for count in levels),
     )
