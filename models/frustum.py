@@ -6,6 +6,7 @@ import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .camera import Camera
+from .cells import Cells
 
 __all__ = ["Culler"]
 
@@ -19,14 +20,16 @@ class Culler:
 
     A sphere is a candidate unless it lies wholly outside one of the four side planes or the near
     plane; there is no far plane.  This keeps some spheres that only meet the planes' extensions,
-    as engines' sphere tests do, and never drops one that is in view.
+    as engines' sphere tests do, and never drops one that is in view.  With `cells`, what walls hide
+    is dropped too.
     """
 
-    __slots__ = ("_keep", "_mask", "_radius_m", "_reach", "_side", "_xyz_m", "inside")
+    __slots__ = ("_cells", "_keep", "_mask", "_radius_m", "_reach", "_side", "_xyz_m", "inside")
 
-    def __init__(self, radius_m: FloatArray) -> None:
+    def __init__(self, radius_m: FloatArray, cells: Cells | None = None) -> None:
         size = min(_BLOCK, len(radius_m))
         self._radius_m = radius_m
+        self._cells = cells
         self._xyz_m = np.empty((3, size))
         self._side = np.empty(size)
         self._reach = np.empty(size)
@@ -73,5 +76,7 @@ class Culler:
             np.abs(xyz[row], out=side)
             np.less_equal(side, reach, out=mask)
             keep &= mask
+        if self._cells is not None:
+            keep &= self._cells.seen_from(camera.position_m)[start : start + _BLOCK]
         at = keep.nonzero()[0]
         return (at + start).astype(np.int32), xyz.take(at, axis=1)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from .arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from .cells import Cells
 from .cost import CostModel
 from .levels import LevelTable
 from .motion import Motion
@@ -66,6 +67,8 @@ class Scene:
     additive : (N,) bool
         Whether a node stays drawn when its children are (3D Tiles' ADD) or is replaced by them.
     motion : Motion, optional
+    cells : Cells, optional
+        Rooms whose walls hide nodes; the simulator culls by them.
     costs : CostModel, optional
         The cost model that predictive policies may consult; bound by the replay.
     center_m, radius_m : (N, 3), (N,) float64
@@ -82,6 +85,7 @@ class Scene:
     parent: IntArray
     additive: BoolArray
     motion: Motion | None = None
+    cells: Cells | None = None
     costs: CostModel | None = None
     center_m: FloatArray = field(init=False)
     radius_m: FloatArray = field(init=False)
@@ -131,6 +135,9 @@ class Scene:
             raise InputError("node orientation_xyzw: expected unit quaternions")
         if (self.parent < -1).any() or (self.parent >= np.arange(n)).any():
             raise InputError("node parent: expected -1 or an earlier node")
+        if self.cells is not None and len(self.cells.node_cell) != n:
+            got = len(self.cells.node_cell)
+            raise InputError(f"cells: expected a cell for each of {n} nodes, got {got}")
         if self.motion is not None and not np.isin(self.motion.node, np.arange(n)).all():
             raise InputError(f"motion node: expected 0 to {n - 1}, got values outside")
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .array_archive import ArrayArchive, write_archive
+from .cells import Cells
 from .geometry import Geometry
 from .geometry_arrays import pack_geometry, unpack_geometry
 from .levels import LevelTable
@@ -44,6 +45,12 @@ _MOTION: Mapping[str, tuple[type[Any], int]] = {
     "radius_m": (np.float64, 1),
     "rate_rad_s": (np.float64, 1),
     "phase_rad": (np.float64, 1),
+}
+_CELLS: Mapping[str, tuple[type[Any], int]] = {
+    "node_cell": (np.int32, 1),
+    "low_m": (np.float64, 2),
+    "high_m": (np.float64, 2),
+    "visible": (np.bool_, 2),
 }
 _LEVELS: Mapping[str, tuple[type[Any], int]] = {
     "start": (np.int32, 1),
@@ -99,6 +106,8 @@ def write_scene(
     arrays: _Arrays = {f"nodes/{name}": getattr(scene, name) for name in _NODES}
     if scene.motion is not None:
         arrays |= {f"motion/{name}": getattr(scene.motion, name) for name in _MOTION}
+    if scene.cells is not None:
+        arrays |= {f"cells/{name}": getattr(scene.cells, name) for name in _CELLS}
     arrays |= {f"types/{name}": getattr(scene.types, name) for name in ("center_m", "radius_m")}
     arrays |= {f"levels/{name}": getattr(scene.types.levels, name) for name in _LEVELS}
     arrays["levels/counts"] = scene.types.levels.counts
@@ -172,6 +181,11 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
         motion = Motion(
             **{name: archive.array(f"motion/{name}", *kind) for name, kind in _MOTION.items()}
         )
+    cells = None
+    if "cells/node_cell" in archive:
+        cells = Cells(
+            **{name: archive.array(f"cells/{name}", *kind) for name, kind in _CELLS.items()}
+        )
     levels = LevelTable(
         counts=_read_counts(archive, header.predictors),
         **{name: archive.array(f"levels/{name}", *kind) for name, kind in _LEVELS.items()},
@@ -179,7 +193,7 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
     center = archive.array("types/center_m", np.float64, 2)
     radius = archive.array("types/radius_m", np.float64, 1)
     types = ObjectTypes(header.types, center, radius, levels)
-    scene = Scene(name=header.name, types=types, motion=motion, **nodes)
+    scene = Scene(name=header.name, types=types, motion=motion, cells=cells, **nodes)
     farthest = max(float(np.abs(scene.center_m).max()), float(scene.radius_m.max()))
     if not farthest <= _MAX_DISTANCE_M:
         raise InputError(f"bounding spheres: expected within 1e9 m, got {farthest:g} m")

@@ -143,7 +143,7 @@ class _Source:
         self._fovy_rad = math.radians(options.fovy_deg)
         self._rest_m = np.ascontiguousarray(scene.center_m.T)
         self._rest_m.flags.writeable = False
-        self._culler = Culler(scene.radius_m)
+        self._culler = Culler(scene.radius_m, scene.cells)
         truth, scatter = hardware.truth(options.draw)
         self._truth = truth
         crossfade_ns = round(options.crossfade_ms * _NS_PER_MS)
