@@ -45,7 +45,7 @@ class UnrealDynamic:
     Reference: Unreal Engine's ``r.DynamicRes`` (defaults of its console variables).
     """
 
-    apply: Literal["bias", "render-scale"] = "bias"  # ours: levels, as others do; Unreal scales pixels
+    apply: Literal["bias", "render-scale"] = "bias"  # ours; Unreal scales pixels
     headroom: float = 0.1  # Unreal's r.DynamicRes.TargetedGPUHeadRoomPercentage, 10 %
     min_fraction: float = 0.5  # Unreal's MinScreenPercentage
     max_fraction: float = 1.0  # Unreal's MaxScreenPercentage
