@@ -84,7 +84,21 @@ def _usable(column: FloatArray) -> bool:
 
 
 def choose_terms(sample: Sample) -> tuple[tuple[Term, ...], tuple[Candidate, ...]]:
-    """Return the terms to fit, from the sample's predictors, and all candidates, best first."""
+    """Return the terms to fit, from the sample's predictors, and all candidates, best first.
+
+    Raises
+    ------
+    InputError
+        If there are too few frames to choose between several predictors.
+    """
+    if len(sample.names) == 1:
+        return (Term("linear", sample.names),), ()
+    fewest = 4 * (len(sample.names) + 2)
+    if len(sample) < fewest:
+        raise InputError(
+            f"expected at least {fewest} frames to choose among {', '.join(sample.names)}, got "
+            f"{len(sample)}; log for longer, or name the --terms"
+        )
     step = max(1, -(-len(sample) // _MOST_ROWS))
     sample = sample.rows(np.arange(0, len(sample), step))
     names = sample.names

@@ -14,6 +14,7 @@ from lodbench.analysis.fit.posterior import LogPosterior
 from lodbench.analysis.fit.priors import Priors
 from lodbench.analysis.fit.sample import Sample
 from lodbench.analysis.fit.terms import parse_terms
+from lodbench.models.arrays import FloatArray
 
 MakeSample = Callable[..., Sample]
 
@@ -31,7 +32,7 @@ def with_samples(sample: Sample) -> Sample:
     )
 
 
-def some_theta(width: int, noise: tuple[float, ...]) -> np.ndarray:
+def some_theta(width: int, noise: tuple[float, ...]) -> FloatArray:
     """Return five parameter vectors inside the bounds."""
     rng = np.random.default_rng(4)
     return np.hstack([rng.uniform(2.0, 8.0, (5, width)), np.tile(noise, (5, 1))])
@@ -88,16 +89,16 @@ def test_the_posterior_adds_priors_and_knows_its_bounds(make_sample: MakeSample)
     posterior = LogPosterior(likelihood, Priors(12.0), worth=0.25)
     theta = some_theta(3, (-0.5, 0.3, 0.25))
 
-    def prior(row: np.ndarray) -> float:
-        dof = 1.0 / row[5]
-        coefficients: Any = stats.halfnorm.logpdf(row[:3], scale=24.0)
-        return float(
-            coefficients.sum()
-            + float(stats.halfnorm.logpdf(np.exp(row[3]), scale=12.0))
-            + row[3]
-            + stats.gamma.logpdf(dof, 2.0, scale=10.0)
-            + 2.0 * np.log(dof)
-        )
+    def prior(row: FloatArray) -> float:
+        dof = 1.0 / float(row[5])
+        parts: list[Any] = [
+            *stats.halfnorm.logpdf(row[:3], scale=24.0),
+            stats.halfnorm.logpdf(np.exp(row[3]), scale=12.0),
+            row[3],
+            stats.gamma.logpdf(dof, 2.0, scale=10.0),
+            2.0 * np.log(dof),
+        ]
+        return float(sum(parts))
 
     theta[1:, 5], theta[2:, 3] = 0.5, 0.7
     expected = np.array([prior(row) for row in theta]) + 0.25 * likelihood(theta)
@@ -120,7 +121,7 @@ def test_an_expansion_of_a_quadratic_is_the_quadratic():
     """Value, gradient and curvature of a bowl, also where the centre lies on a bound."""
     curvature = np.array([[4.0, 1.0], [1.0, 9.0]])
 
-    def bowl(theta: np.ndarray) -> np.ndarray:
+    def bowl(theta: FloatArray) -> FloatArray:
         away = theta - np.array([1.0, 2.0])
         return 5.0 - 0.5 * np.einsum("wi,ij,wj->w", away, curvature, away)
 

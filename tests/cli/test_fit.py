@@ -1,0 +1,255 @@
+"""`lodbench fit`: what it prints and writes, and what it refuses in one line."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lodbench.cli.main import run
+from lodbench.models.profile_file import read_profile
+
+QUICK = ["--steps", "500", "--heldout", "none"]
+
+
+def write_log(
+    path: Path, *, frames: int = 120, header: str = "draw_calls,triangles,gpu_ms"
+) -> Path:
+    """Write a log of 4 ms + 20 us a draw + 5 ns a triangle and 0.5 ms of noise."""
+    rng = np.random.default_rng(4)
+    draws, triangles = rng.integers(50, 400, frames), rng.integers(200_000, 2_000_000, frames)
+    time_ms = 4.0 + 0.02 * draws + 5e-6 * triangles + 0.5 * rng.standard_normal(frames)
+    rows = [f"{d},{t},{ms:.4f}" for d, t, ms in zip(draws, triangles, time_ms, strict=True)]
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a log in the current folder, which is empty otherwise."""
+    monkeypatch.chdir(tmp_path)
+    return write_log(Path("walk.csv"))
+
+
+def test_json_is_the_promised_document(log: Path, capsys: pytest.CaptureFixture[str]):
+    """Terms are chosen, every coefficient has its interval, and held-out frames their error."""
+    assert run(["fit", str(log), "--json", "--steps", "1000"]) == 0
+    record: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert record["schema"] == "lodbench.fit/1"
+    assert record["target"] == "gpu_ms"
+    assert (record["rows"], record["rows_rejected"]) == (117, 3)
+    assert record["terms"] == ["draw_calls", "triangles"]
+    triangles = record["coefficients"]["triangles"]
+    assert triangles["unit"] == "ns"
+    assert triangles["q05"] < 5.0 < triangles["q95"]
+    assert len(record["logs"][0]["sha256"]) == 64
+    heldout = record["heldout"]
+    assert set(heldout) >= {"rows", "error_pct_mean", "error_pct_sd", "coverage_90"}
+    assert abs(heldout["error_pct_mean"]) < 3.0
+
+
+def test_the_table_says_priors_terms_and_errors(log: Path, capsys: pytest.CaptureFixture[str]):
+    """The thesis's error stands beside the log's."""
+    assert run(["fit", str(log), "--model", "gaussian", "--predict", str(log)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    for part in ("half-normal", "draw_calls, triangles", "4.39 % ± 15.19 %", "R-hat", "walk"):
+        assert part in said
+
+
+def test_the_profile_is_written_and_is_the_same_each_time(log: Path):
+    """Same log, same seed, same bytes; the date only where it is given."""
+    for name in ("one.toml", "two.toml"):
+        assert run(["fit", str(log), *QUICK, "--date", "2025-01-02", "--out", name]) == 0
+    one, two = Path("one.toml").read_text("utf-8"), Path("two.toml").read_text("utf-8")
+    assert one.replace('"one"', '"two"') == two
+    profile = read_profile(Path("one.toml"))
+    assert profile.provenance.date == "2025-01-02"
+    assert profile.posterior is not None
+
+
+def test_a_fitted_profile_is_a_machine_for_compare(log: Path, capsys: pytest.CaptureFixture[str]):
+    """The draws of the posterior widen the intervals of scores."""
+    assert run(["fit", str(log), *QUICK, "--out", "mine.toml"]) == 0
+    capsys.readouterr()
+    arguments = ["--hardware", "mine.toml", "--policy", "full", "--frames", "40", "--json"]
+    assert run(["compare", *arguments, "--draws", "4", "--workers", "1"]) == 0
+    record: dict[str, Any] = json.loads(capsys.readouterr().out)
+    score = record["policies"][0]["metrics"]["frame_ms_mean"]
+    assert record["hardware"] == "mine"
+    assert score["low"] < score["value"] < score["high"]
+
+
+def test_columns_are_mapped(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """A log with names of its own is fitted once they are told."""
+    path = write_log(tmp_path / "own.csv", header="Calls9,Prims9,Span9")
+    mapping = "draw_calls=Calls9,triangles=Prims9,gpu_ms=Span9"
+    assert run(["fit", str(path), "--map", mapping, *QUICK, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["logs"][0]["notes"] == [
+        "gpu_ms is Span9 in ms, since its name has no unit"
+    ]
+
+
+def test_a_short_chain_is_a_warning_and_with_strict_a_failure(
+    log: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Exit 1, and no profile is left."""
+    short = ["fit", str(log), "--steps", "60", "--heldout", "none", "--out", "mine.toml"]
+    assert run([*short, "--strict"]) == 1
+    assert "fewer than 50" in capsys.readouterr().err
+    assert not Path("mine.toml").exists()
+    assert run(short) == 0
+    assert "warning: the chain has" in capsys.readouterr().err
+    assert Path("mine.toml").exists()
+
+
+def test_a_chain_is_kept_and_gone_on_with(log: Path, capsys: pytest.CaptureFixture[str]):
+    """The second run reads the whole chain from the file and prints the same."""
+    arguments = ["fit", str(log), *QUICK, "--resume", "chain.npz", "--json"]
+    assert run(arguments) == 0
+    first = capsys.readouterr().out
+    before = Path("chain.npz").read_bytes()
+    assert run(arguments) == 0
+    assert capsys.readouterr().out == first
+    assert Path("chain.npz").read_bytes() == before
+    assert run([*arguments, "--seed", "1"]) == 2
+    assert "chain.npz: expected a chain of this log" in capsys.readouterr().err
+
+
+def test_plots_are_written(log: Path):
+    """Two pictures, if the extra is there."""
+    pytest.importorskip("corner")
+    assert run(["fit", str(log), *QUICK, "--model", "gaussian", "--plots", "pictures"]) == 0
+    assert sorted(path.name for path in Path("pictures").iterdir()) == ["corner.png", "trace.png"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["missing.csv"], "missing.csv: expected a file that can be read"),
+        (["walk.csv", "--target", "fps"], "--target: expected one of gpu_ms, frame_ms, cpu_ms"),
+        (["walk.csv", "--target", "cpu_ms"], "expected the time cpu_ms, got a log with gpu_ms"),
+        (["walk.csv", "--terms", "draws"], "--terms: expected predictors among draw_calls"),
+        (["walk.csv", "--terms", "vertices"], "expected the predictors vertices, got a log with"),
+        (["walk.csv", "--model", "normal"], "--model: expected one of student-t, gaussian"),
+        (["walk.csv", "--heldout", "some"], "--heldout: expected one of blocks, halves"),
+        (["walk.csv", "--map", "gpu_ms"], "--map: expected name=COLUMN"),
+        (["walk.csv", "--map", "gpu_ms=Nope"], "mapping of gpu_ms: expected one of"),
+        (["walk.csv", "--format", "excel"], "log format: expected one of csv"),
+        (["walk.csv", "--out", "mine.json"], "mine.json: expected a .toml file"),
+        (["walk.csv", "--out", "no/mine.toml"], "no/mine.toml: expected a .toml file in a folder"),
+        (
+            ["walk.csv", "--terms", "draw_calls*triangles", "--out", "mine.toml"],
+            "--out: expected terms that a profile of gpu_ms can hold",
+        ),
+        (["walk.csv", "--onto", "nowhere"], "hardware: expected one of"),
+        (["walk.csv", "--predict", "missing.csv"], "missing.csv: expected a file"),
+    ],
+)
+def test_mistakes_are_one_line(
+    log: Path, arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+):
+    """Exit 2, `error:`, no traceback, nothing written."""
+    assert log.exists()
+    assert run(["fit", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    assert says in said.err
+    assert [path.name for path in Path().iterdir()] == ["walk.csv"]
+
+
+GOOD = "draw_calls,triangles,gpu_ms\n" + "".join(
+    f"{100 + i % 7},{1000 * (i % 11)},{10 + i % 5}.5\n" for i in range(40)
+)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("", "bad.csv: expected text, got an empty file"),
+        (b"\x00\x01\xff\xfe binary \x80", "bad.csv:1: expected UTF-8 text, got byte 0xff"),
+        (GOOD.split("\n", 1)[0], "expected rows below the header, got none"),
+        (GOOD.split("\n", 1)[1], "expected a header row with names, got numbers"),
+        (GOOD[:-9], "the file is cut off in its last row"),
+        (GOOD.replace(".5", ",5"), "decimal commas?"),
+        (GOOD.split("\n", 1)[0] + "\n" + GOOD.split("\n", 1)[1].replace(",", ";"), "delimiter"),
+        (GOOD.replace("draw_calls", "triangles"), "expected one column triangles, got 2"),
+        (GOOD.replace("gpu_ms", "mood"), "expected a column with a time"),
+        (GOOD.replace("105,", "NaNa,"), "expected a number in column draw_calls, got 'NaNa'"),
+        ("\n".join(GOOD.split("\n")[:7]) + "\n", "expected at least 16 frames to choose among"),
+        ("triangles,gpu_ms\n" + "1,-3\n" * 9, "missing, zero or negative in 100% of frames"),
+        ("draw_calls,gpu_ms\n" + "5,3.5\n" * 50, "the view stands still"),
+    ],
+)
+def test_bad_logs_are_one_line(
+    tmp_path: Path, content: str | bytes, says: str, capsys: pytest.CaptureFixture[str]
+):
+    """Empty, binary, truncated, wrong delimiter, decimal commas, no header, twice a column, few."""
+    path = tmp_path / "bad.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert run(["fit", str(path), "--terms", "auto"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    assert says in said.err
+
+
+def test_mixed_line_ends_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """Windows and old Mac line ends in one file change nothing."""
+    path = write_log(tmp_path / "walk.csv")
+    arguments = ["fit", str(path), *QUICK, "--model", "gaussian", "--json"]
+    assert run(arguments) == 0
+    plain = json.loads(capsys.readouterr().out)["coefficients"]
+    lines = path.read_bytes().split(b"\n")
+    ends = (b"\r\n", b"\n", b"\r")
+    path.write_bytes(b"".join(line + ends[i % 3] for i, line in enumerate(lines[:-1])))
+    assert run(arguments) == 0
+    assert json.loads(capsys.readouterr().out)["coefficients"] == plain
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("threejs-pirateconquest-large_battle.csv", "tied to a clock of 59.97 Hz"),
+        ("ocat-metroexodus.csv", "predictors draw_calls, vertices, triangles"),
+        ("capframex-with-header.csv", "predictors draw_calls, vertices, triangles"),
+        ("presentmon-v2.csv", "predictors draw_calls, vertices, triangles"),
+        ("chrometrace-perfetto-flow.json", "expected a render log, got Chrome trace events"),
+    ],
+)
+def test_real_logs_that_cannot_be_fitted_say_why(
+    data_dir: Path, name: str, says: str, capsys: pytest.CaptureFixture[str]
+):
+    """Capped times carry no cost; timings alone have no predictors, and the missing are named."""
+    assert run(["fit", str(data_dir / "logs" / name)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert said.count("\n") == 1
+    assert says in said
+
+
+@pytest.mark.realdata
+def test_a_software_rasterisers_timer_is_refused(
+    data_dir: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Asked for by name, gpu_ms of llvmpipe is refused with its reason."""
+    path = data_dir / "logs" / "llvmpipe-random-a.csv"
+    assert run(["fit", str(path), "--target", "gpu_ms"]) == 2
+    assert "software rasteriser's timer" in capsys.readouterr().err
+
+
+def test_help_does_not_wait_for_the_sampler():
+    """Neither emcee nor scipy is loaded to show the options."""
+    code = (
+        "import sys; from lodbench.cli.main import run; run(['fit', '--help']); "
+        "sys.exit(len({'emcee', 'scipy', 'numpy'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "--terms" in done.stdout
