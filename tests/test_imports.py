@@ -21,6 +21,7 @@ MAY_IMPORT = {
     "sim": {"models", "traces", "policies"},
     "analysis": {"models", "traces", "policies", "sim"},
     "cli": {"models", "traces", "policies", "sim", "analysis"},
+    "testing": {"models", "traces", "policies", "sim", "analysis", "cli"},
 }
 PACKAGE = sorted(
     path
@@ -122,6 +123,19 @@ def test_nobody_imports_pandas_or_simpy() -> None:
         if benchmarks not in path.parents
         for _, name, line in imports_of(path)
         if name.split(".")[0] in {"pandas", "simpy"}
+    ]
+    assert guilty == []
+
+
+def test_only_testing_imports_test_tools() -> None:
+    """Neither pytest nor hypothesis is needed, but by who tests; the contract checks ask late."""
+    late = ROOT / "policies" / "checks" / "run.py"
+    guilty = [
+        f"{name_of(path)}:{line}"
+        for path in PACKAGE
+        if path.parts[len(ROOT.parts)] != "testing" and path != late
+        for _, name, line in imports_of(path)
+        if name.split(".")[0] in {"pytest", "hypothesis"}
     ]
     assert guilty == []
 

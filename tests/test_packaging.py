@@ -12,7 +12,7 @@ import pytest
 import lodbench
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("models", "traces", "policies", "sim", "analysis", "cli")
+FOLDERS = ("models", "traces", "policies", "sim", "analysis", "cli", "testing")
 
 
 def tracked_files() -> list[str]:

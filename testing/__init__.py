@@ -1,0 +1,67 @@
+"""What a team needs to test its own policies: strategies, ready properties, and a budget to assert.
+
+Names are loaded when they are first used, so that the plugin costs nothing until a test needs it.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .budget import FrameBudget, assert_budget
+    from .parametrize import parametrize_with_properties
+    from .properties import (
+        PROPERTIES,
+        budget_is_kept,
+        lag_is_bounded,
+        load_steps_settle,
+        more_budget_is_never_worse,
+        nothing_toggles_at_rest,
+        order_does_not_matter,
+        reset_forgets,
+    )
+    from .property import Property, PropertyFailedError
+    from .strategies import hardware_profiles, scenes, traces, views
+
+__all__ = [
+    "PROPERTIES",
+    "FrameBudget",
+    "Property",
+    "PropertyFailedError",
+    "assert_budget",
+    "budget_is_kept",
+    "hardware_profiles",
+    "lag_is_bounded",
+    "load_steps_settle",
+    "more_budget_is_never_worse",
+    "nothing_toggles_at_rest",
+    "order_does_not_matter",
+    "parametrize_with_properties",
+    "reset_forgets",
+    "scenes",
+    "traces",
+    "views",
+]
+
+_MODULES = {
+    "budget": ("FrameBudget", "assert_budget"),
+    "parametrize": ("parametrize_with_properties",),
+    "property": ("Property", "PropertyFailedError"),
+    "strategies": ("hardware_profiles", "scenes", "traces", "views"),
+}
+_WHERE = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Return a public name, whose module is imported now."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        module = import_module(f".{_WHERE.get(name, 'properties')}", __name__)
+    except ModuleNotFoundError as error:
+        if error.name not in {"hypothesis", "pytest"}:
+            raise
+        raise ImportError(
+            f"lodbench.testing.{name} needs {error.name}, which is not installed; "
+            "pip install 'lodbench[testing]'"
+        ) from error
+    return getattr(module, name)

@@ -1,0 +1,116 @@
+"""A frame budget to assert: `lodbench check` as a function."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..analysis.gate.limits_file import choose_limits
+from ..analysis.gate.measure import Sampling
+from ..analysis.gate.run import Plan, judge_measured, measure_plan
+from ..analysis.gate.text import describe_failures
+from ..analysis.inputs import load_trace
+from ..models.hardware import HardwareProfile
+from ..models.profile_catalog import load_hardware
+from ..models.scene import Scene
+from ..models.scene_catalog import load_scene
+from ..policies.registry import parse_policy
+from ..sim.frame_log import FrameLog
+from ..sim.replay import ReplayOptions, replay
+from ..traces.camera import CameraTrace
+
+__all__ = ["FrameBudget", "assert_budget", "name_policy", "replay_policy"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameBudget:
+    """What is asserted, and how much is replayed; as the options of `lodbench check`.
+
+    Attributes
+    ----------
+    limits : Path or None
+        TOML file; None for the budget alone.
+    baseline : Path
+    """
+
+    limits: Path | None = None
+    baseline: Path = Path("baseline.json")
+    hardware: str | HardwareProfile = "desktop-assumed"
+    budget_ms: float | None = None
+    seed: int = 0
+    seeds: int = 4
+    frames: int | None = None
+    warmup: int = 30
+    strict: bool = False
+
+
+def assert_budget(
+    policy: str | type[Any],
+    scene: str | Scene = "plaza",
+    trace: str | CameraTrace = "tour",
+    budget: FrameBudget | None = None,
+) -> None:
+    """Assert that a policy keeps its limits in a scene on a trace.
+
+    The message of a failure is what `lodbench check` prints of it.
+
+    Raises
+    ------
+    AssertionError
+        If a limit fails, or with `strict` is undecided.
+    InputError
+        If a name, file or limit cannot be used.
+    """
+    chosen = budget or FrameBudget()
+    limits = choose_limits(chosen.limits, chosen.baseline)
+    plan = Plan(
+        policies=(name_policy(policy),),
+        scenes=(scene,),
+        traces=(trace,),
+        hardware=chosen.hardware,
+        budget_ms=chosen.budget_ms,
+        seed=chosen.seed,
+        frames=chosen.frames,
+        warmup=chosen.warmup,
+    )
+    conditions, measured = measure_plan(plan, Sampling(seeds=chosen.seeds))
+    report = judge_measured(limits, measured, conditions, chosen.baseline, strict=chosen.strict)
+    if not report.passed:
+        raise AssertionError(describe_failures(report))
+
+
+def name_policy(policy: str | type[Any]) -> str:
+    """Return the name of a policy class on a command line."""
+    return policy if isinstance(policy, str) else f"{policy.__module__}:{policy.__qualname__}"
+
+
+def replay_policy(
+    policy: str | type[Any],
+    scene: str | Scene = "plaza",
+    trace: str | CameraTrace = "tour",
+    budget: FrameBudget | None = None,
+    *,
+    seed: int | None = None,
+    frames: int | None = None,
+) -> FrameLog:
+    """Replay a policy in a scene on a trace; seed and frames may be others than the budget's.
+
+    Raises
+    ------
+    InputError
+        If a name or file cannot be used.
+    PolicyError
+        If the policy breaks its contract.
+    """
+    chosen = budget or FrameBudget()
+    hardware = chosen.hardware
+    profile = load_hardware(hardware) if isinstance(hardware, str) else hardware
+    world = load_scene(scene) if isinstance(scene, str) else scene
+    path = load_trace(trace, world) if isinstance(trace, str) else trace
+    refresh_ms = 1e3 / profile.display.refresh_hz
+    options = ReplayOptions(
+        budget_ms=refresh_ms if chosen.budget_ms is None else chosen.budget_ms,
+        seed=chosen.seed if seed is None else seed,
+        frames=chosen.frames if frames is None else frames,
+    )
+    name = name_policy(policy)
+    return replay(parse_policy(name).make(), world, path, profile, options, name=name)

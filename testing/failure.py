@@ -1,0 +1,79 @@
+"""A failing example on paper: files that `compare` can replay, and a picture of its frame times."""
+
+import inspect
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import PolicyError
+from ..models.profile_writer import write_profile
+from ..models.scene_file import write_scene
+from ..traces.write import write_trace
+from .example import Example, Factory
+from .picture import draw_frame_times
+
+__all__ = ["Failure", "write_failure"]
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """What is wrong, and in which examples it shows, by name.
+
+    `runs` has one example, or two that had to be alike.
+    """
+
+    message: str
+    runs: tuple[tuple[str, Example], ...]
+
+
+def write_failure(folder: Path, failure: Failure, factory: Factory, title: str) -> str:
+    """Write scene, trace, hardware and picture of each run; return what to do with them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.iterdir():
+        old.unlink()
+    text = [f"{title}: {failure.message}"]
+    for name, example in failure.runs:
+        write_scene(folder / f"{name}.lodscene", example.scene, ())
+        write_trace(example.trace, folder / f"{name}.csv")
+        write_profile(example.hardware, folder / f"{name}.toml", title)
+        command = _command(folder / name, example, _policy_name(factory))
+        text += [f"smallest example found ({name}): {example}", f"  {command}"]
+    picture = folder / "frame-times.svg"
+    picture.write_text(_picture(failure.runs, factory, title), encoding="utf-8")
+    return "\n".join([*text, f"frame times: {picture}"])
+
+
+def _command(stem: Path, example: Example, policy: str) -> str:
+    return shlex.join(
+        [
+            *("lodbench", "compare", "--scene", f"{stem}.lodscene", "--trace", f"{stem}.csv"),
+            *("--place", "none", "--hardware", f"{stem}.toml", "--policy", policy),
+            *("--budget-ms", repr(example.budget_ms), "--frames", str(example.frames)),
+            *("--warmup", "0"),
+        ]
+    )
+
+
+def _policy_name(factory: Factory) -> str:
+    """Return what a command line calls the policy of a factory: a class in a file, or a module."""
+    cls = type(factory())
+    if cls.__module__.partition(".")[0] == __name__.partition(".")[0]:
+        return f"{cls.__module__}:{cls.__qualname__}"
+    try:
+        return f"{inspect.getfile(cls)}:{cls.__qualname__}"
+    except (OSError, TypeError):
+        return f"{cls.__module__}:{cls.__qualname__}"
+
+
+def _picture(runs: Sequence[tuple[str, Example]], factory: Factory, title: str) -> str:
+    times: list[tuple[str, np.ndarray]] = []
+    for name, example in runs:
+        try:
+            log = example.play(factory()).log
+            times.append((name, np.maximum(log["cpu_ms"], log["gpu_ms"])))
+        except PolicyError:  # a policy that broke its contract has no times
+            times.append((name, np.zeros(0)))
+    return draw_frame_times(times, runs[0][1].budget_ms, title)

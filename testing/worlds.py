@@ -1,0 +1,81 @@
+"""Strategies of examples: the worlds that the properties are tried in."""
+
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from ..models.hardware import HardwareProfile
+from ..models.scene import Scene
+from ..policies.protocol import Capabilities
+from ..traces.camera import CameraTrace
+from ..traces.orientation import look_along
+from .example import Example
+from .strategies import hardware_profiles, scenes, traces
+
+__all__ = ["load_steps", "still_worlds", "worlds"]
+
+_EYE_M = 1.65
+_STEP_S = 5e-5  # after the first frame has begun, before the second
+
+
+def worlds(capabilities: Capabilities) -> st.SearchStrategy[Example]:
+    """Return examples of 1 to 10 frames with a camera that moves."""
+    return _examples(capabilities, traces(), st.integers(1, 10))
+
+
+def still_worlds(capabilities: Capabilities, frames: st.SearchStrategy[int]) -> Any:
+    """Return examples in which nothing moves."""
+    return _examples(capabilities, st.just(_camera((0.0,))), frames)
+
+
+def load_steps(capabilities: Capabilities, frames: st.SearchStrategy[int]) -> Any:
+    """Return examples whose camera looks away in the first frame, then at the scene."""
+    return _examples(capabilities, st.just(_camera((np.pi, 0.0))), frames)
+
+
+def _camera(heading_rad: tuple[float, ...]) -> CameraTrace:
+    """Return a camera at the origin that is cut from one heading to the next."""
+    n = len(heading_rad)
+    return CameraTrace(
+        "example",
+        np.linspace(0.0, _STEP_S, n) if n > 1 else np.zeros(1),
+        np.tile((0.0, 0.0, _EYE_M), (n, 1)),
+        look_along(heading_rad, np.zeros(n)),
+        np.arange(n) > 0,
+    )
+
+
+def _scenes(capabilities: Capabilities) -> st.SearchStrategy[Scene]:
+    """Return the scenes that a policy can drive, the simplest kind first."""
+    kinds: list[st.SearchStrategy[Scene]] = []
+    if capabilities.levels:
+        kinds.append(scenes())
+    if capabilities.continuous and not capabilities.levels:
+        kinds.append(scenes(continuous=True))
+    if capabilities.hierarchy:
+        kinds.append(scenes(objects=3, hierarchy=True))
+    return st.one_of(kinds)
+
+
+@st.composite
+def _examples(
+    draw: st.DrawFn,
+    capabilities: Capabilities,
+    paths: st.SearchStrategy[CameraTrace],
+    frames: st.SearchStrategy[int],
+) -> Example:
+    machine: HardwareProfile = draw(hardware_profiles(noise=False))
+    scene: Scene = draw(_scenes(capabilities))
+    # Never a sum of costs, so that the order of additions decides nothing.
+    share = (draw(st.integers(0, 20)) + 1.0 / 7.0) / 16.0
+    bound = scene.with_costs(machine.gpu)
+    budget_ms = machine.gpu.base_ms + share * _full_ms(scene, machine)
+    return Example(bound, draw(paths), machine, budget_ms, draw(frames))
+
+
+def _full_ms(scene: Scene, machine: HardwareProfile) -> float:
+    """Return the time of all nodes at their finest, wherever they are."""
+    levels = scene.types.levels
+    linear_ms, _ = machine.gpu.level_ms(levels)
+    return float(linear_ms[levels.start[:-1]][scene.type_index].sum())
