@@ -45,6 +45,18 @@ def tube() -> SurfaceMesh:
     return clean_surface("tube", [MeshPart(points.reshape(-1, 3), faces, textured=True, uv=uv)])
 
 
+@pytest.fixture(scope="session")
+def bending(tube: SurfaceMesh) -> np.ndarray:
+    """Return four poses of the tube, (4, V, 3): straight, and bent ever more about its middle."""
+    x, y, z = tube.positions.T
+    poses = [tube.positions]
+    for angle in (0.4, 0.8, 1.2):
+        turn = np.clip(z - 2.5, 0.0, 1.0) * angle
+        bent = np.stack((x, y + np.sin(turn) * (z - 2.5), 2.5 + np.cos(turn) * (z - 2.5)), axis=1)
+        poses.append(np.where((z > 2.5)[:, None], bent, tube.positions))
+    return np.stack(poses)
+
+
 def grid_surface(name: str, height: np.ndarray) -> SurfaceMesh:
     """Return a surface over a grid of metres, two triangles a cell."""
     n, m = height.shape

@@ -127,21 +127,3 @@ def test_scale_and_place_do_not_matter(ball: SurfaceMesh) -> None:
     near = contract(points[None], ball.faces)
     far = contract((1e3 * points + 1e5)[None], ball.faces)
     assert (near.target == far.target).mean() > 0.95  # but for ties in rounding
-
-
-def test_poses_are_averaged(tube: SurfaceMesh) -> None:
-    """A straight part that bends in an animation keeps more vertices than one that never does."""
-    z = tube.positions[:, 2]
-    poses = [tube.positions]
-    for angle in (0.4, 0.8, 1.2):
-        x, y = tube.positions[:, 0], tube.positions[:, 1]
-        lift = np.clip(z - 2.5, 0.0, 1.0) * angle  # bends between z = 2.5 and 3.5
-        bent = np.stack((x, y + np.sin(lift) * (z - 2.5), 2.5 + np.cos(lift) * (z - 2.5)), axis=1)
-        poses.append(np.where((z > 2.5)[:, None], bent, tube.positions))
-    joint = (z > 2.4) & (z < 3.6)
-    left: list[int] = []
-    for shapes in (np.stack(poses[:1]), np.stack(poses)):
-        done = contract(shapes, tube.faces)
-        step = int(np.searchsorted(-np.cumsum(np.bincount(done.face_step)[::-1])[::-1], -200))
-        left.append(int((joint & (done.vertex_step >= step)).sum()))
-    assert left[1] > left[0]
