@@ -58,7 +58,7 @@ def test_false_alarms_and_regressions_found(small_scene: Scene, study_trace: Cam
     Nothing changed means the same seeds, which differ by nothing at all, and also other seeds than
     the baseline's, where the noise is not shared.
     """
-    same, other, found = [], [], []
+    same, other, found = list[bool](), list[bool](), list[bool]()
     step = Sampling().seeds
     before: tuple[Conditions, list[Measured]] | None = None
     for study in range(STUDIES):
