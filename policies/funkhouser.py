@@ -19,6 +19,7 @@ from .choices import Choices, Offer, make_choices, require_costs
 from .claims import Claims
 from .protocol import Capabilities
 from .selection import Selection, Work
+from .v_time import VTime
 from .view import View
 
 __all__ = ["Funkhouser"]
@@ -62,7 +63,9 @@ class Funkhouser:
     motion: float = 0.5  # ours
     hysteresis: float = 1e-4  # ours: of the order of accuracy steps between neighbouring levels
     max_steps: int = 64  # ours: exchanges of the incremental form a frame
+    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
     _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _v_time: VTime = field(init=False, repr=False, compare=False)
     _choices: Choices = field(init=False, repr=False, compare=False)
     _column: IntArray = field(
         init=False, repr=False, compare=False, default_factory=lambda: np.empty(0, dtype=np.int32)
@@ -72,7 +75,12 @@ class Funkhouser:
 
     @property
     def claims(self) -> Claims:
-        """What holds with these parameters: exchanges of large scenes take many frames."""
+        """What holds with these parameters: exchanges of large scenes take many frames.
+
+        With `adapt` the budget is kept by what frames took, not by the cost model.
+        """
+        if self.adapt:
+            return Claims()
         return Claims(budget=True, settles_frames=None if self.mode == "incremental" else 8)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
@@ -93,19 +101,22 @@ class Funkhouser:
             )
         self._choices = make_choices(scene, require_costs(scene, "funkhouser"), self.exponent)
         self._budget_ms = budget_ms
+        self._v_time = VTime(self.adapt, "funkhouser")
         self._column = np.full(len(scene), -1, dtype=np.int32)
 
     def select(self, view: View) -> Selection:
         """Return the selection of most benefit that the mode finds within the budget."""
+        whole_ms = self._v_time.budget_ms(view, self._budget_ms)
         offer = self._choices.offer(view, self._weight)
         if not len(offer.objects):
-            return Selection(view.ids, np.zeros(0), predicted_ms=offer.fixed_ms)
+            expected_ms = self._v_time.expect(offer.fixed_ms)
+            return Selection(view.ids, np.zeros(0), predicted_ms=expected_ms)
         last = self._column[offer.objects]
         cost_ms, benefit = offer.cost_ms, self._held(offer, last)
         real = np.isfinite(cost_ms).sum(axis=1)
         if self.skip:
             cost_ms, benefit = _with_nothing(cost_ms, benefit, real)
-        budget_ms = self._budget_ms - offer.fixed_ms
+        budget_ms = whole_ms - offer.fixed_ms
         column, steps = self._choose(cost_ms, benefit, budget_ms, last)
         drawn = column < real
         self._column.fill(-1)
@@ -114,7 +125,7 @@ class Funkhouser:
         predicted_ms = offer.fixed_ms + float(cost_ms[np.arange(len(column)), column].sum())
         tuples = int(real.sum())
         work = Work(len(column), tuples * tuples.bit_length(), steps)
-        return Selection(ids, detail, work, predicted_ms=predicted_ms)
+        return Selection(ids, detail, work, predicted_ms=self._v_time.expect(predicted_ms))
 
     def _weight(self, view: View) -> FloatArray:
         """Return importance, focus and motion of nodes."""

@@ -1,6 +1,6 @@
 """``gobbetti``: resolutions that minimise degradation within the predicted time."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from .claims import Claims
 from .protocol import Capabilities
 from .resolution_cost import ResolutionCosts, ResolutionProblem
 from .selection import Selection, Work
+from .v_time import VTime
 from .view import View
 
 __all__ = ["Gobbetti", "eccentricity_weight", "velocity_weight"]
@@ -55,7 +56,8 @@ class Gobbetti:
     resolutions.
 
     Parameters: `m`, `weight` (w: area, or area per triangle), `velocity` and `eccentricity`
-    (whether the factors count), `engine`, `max_iterations` (passes of the active-set search).
+    (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
+    `adapt` (rate at which predictions follow measured times).
 
     Cost per frame: O(n) a pass; an active set that changes little needs few passes, a first frame
     or a cut up to n.
@@ -71,7 +73,9 @@ class Gobbetti:
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
     max_iterations: int = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's time limit is lost
+    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
     _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _v_time: VTime = field(init=False, repr=False, compare=False)
     _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
     _primitives: FloatArray = field(
         init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
@@ -84,7 +88,12 @@ class Gobbetti:
 
     @property
     def claims(self) -> Claims:
-        """What holds with this engine: a truncated search may be far from the optimum."""
+        """What holds with this engine: a truncated search may be far from the optimum.
+
+        With `adapt` the budget is kept by what frames took, not by the cost model.
+        """
+        if self.adapt:
+            return Claims()
         exact = self.engine == "newton"
         return Claims(budget=True, monotone=exact, settles_frames=1 if exact else None)
 
@@ -97,6 +106,7 @@ class Gobbetti:
             )
         self._costs = ResolutionCosts(scene, "gobbetti")
         self._budget_ms = budget_ms
+        self._v_time = VTime(self.adapt, "gobbetti")
         levels = scene.types.levels
         self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
         self._last = np.zeros(len(scene))
@@ -105,13 +115,15 @@ class Gobbetti:
         """Return the resolutions of least degradation that fit the budget."""
         costs = self._costs
         assert costs is not None, "reset comes first"
-        problem = costs.problem(view, self._budget_ms)
+        budget_ms = self._v_time.budget_ms(view, self._budget_ms)
+        problem = costs.problem(view, budget_ms)
         result = self._solve(problem, self.degradation(view), self._last[view.ids])
         resolution = problem.resolution(result.x)
         self._last.fill(0.0)
         self._last[view.ids] = resolution
         work = Work(len(view), result.comparisons, result.iterations)
-        return costs.selection(view, resolution, self._budget_ms, work)
+        selection = costs.selection(view, resolution, budget_ms, work)
+        return replace(selection, predicted_ms=self._v_time.expect(selection.predicted_ms))
 
     def degradation(self, view: View) -> FloatArray:
         """Return the degradation of each candidate in full detail, ``s · w``, (m,)."""

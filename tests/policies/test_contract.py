@@ -23,7 +23,9 @@ ELSEWHERE = {
 """Other parameters that change what a policy claims, or how it works."""
 
 SLOW = {
+    "funkhouser:adapt=0.5",
     "funkhouser:skip=on,misfit=skip",
+    "gobbetti:adapt=0.5",
     "hoppe:triangles=5000",
     "lodmanager:sharing=off",
     "maciel:threshold=0",
