@@ -90,7 +90,11 @@ def fit(
     date: Annotated[str, typer.Option(help="Date of the measurement, for the profile.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
-    """Fit a cost model to render logs; posterior, diagnostics, held-out error, profile."""
+    """Fit a cost model to measured render logs: a hardware profile.
+
+    Prints the posterior of its coefficients, what a statistician would ask of it, and the error on
+    frames that were held out.
+    """
     from ..analysis.fit.fit import FitOptions, fit_logs, target_of
     from ..analysis.fit.record import fit_record
     from ..analysis.fit.sampler import SamplerOptions
