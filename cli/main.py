@@ -47,6 +47,7 @@ COMMANDS = {
         "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto).",
     ),
     "fit": Command("fit", "fit", "Fit a cost model to measured render logs: a hardware profile."),
+    "stress": Command("stress", "stress", "Search a camera path on which a policy does badly."),
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),

@@ -30,11 +30,14 @@ class Played:
         By frame: the detail selected for each node.
     least_ms : list of float
         By frame: noise-free GPU time of the least that could be drawn.
+    arrivals : list of int
+        Frames, other than the first, in which other nodes were in memory than in the one before.
     """
 
     log: FrameLog
     detail: list[dict[int, float]]
     least_ms: list[float]
+    arrivals: list[int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +73,7 @@ class Example:
         log = replay(
             watched, self.scene, self.trace, self.hardware, options, name=type(policy).__name__
         )
-        return Played(log, watched.detail, watched.least_ms)
+        return Played(log, watched.detail, watched.least_ms, watched.arrivals)
 
 
 class _Watched:
@@ -82,6 +85,8 @@ class _Watched:
         self._policy = policy
         self.detail: list[dict[int, float]] = []
         self.least_ms: list[float] = []
+        self.arrivals: list[int] = []
+        self._resident: bytes | None = None
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Reset the policy."""
@@ -89,6 +94,11 @@ class _Watched:
 
     def select(self, view: View) -> Selection:
         """Note the policy's selection, and what the coarsest one would have cost."""
+        everything = view.state.residency
+        resident = None if everything is None else everything.tobytes()
+        if view.frame and resident != self._resident:
+            self.arrivals.append(view.frame)
+        self._resident = resident
         selection: Any = self._policy.select(view)
         if isinstance(selection, Selection):  # a user's policy may return anything
             pairs = zip(selection.ids.tolist(), selection.detail.tolist(), strict=True)

@@ -116,8 +116,7 @@ def _judge_change(example: Example, played: Played, start: int, rest: int) -> Fa
 
     What arrives from disk is a change too, after which the frames to rest begin again.
     """
-    loaded = np.flatnonzero(played.log["loaded_bytes"][start + 1 :] > 0.0)
-    settled = start + rest + (int(loaded[-1]) + 1 if len(loaded) else 0)
+    settled = max(start, *played.arrivals, 0) + rest
     for frame in range(settled + 1, len(played.detail)):
         message = _difference(played.detail[settled], played.detail[frame])
         if message is not None:
