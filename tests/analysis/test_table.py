@@ -88,7 +88,12 @@ def test_policies_of_one_reason_share_a_line(comparison: Comparison) -> None:
 def test_table_says_what_was_replayed(comparison: Comparison) -> None:
     """Scene, trace, hardware that is assumed, budget and warm-up are named."""
     text = printed(comparison, 100)
-    for part in ("small, 60 nodes", "turn, 3.0 s, up to 751 frames", "machine (assumed)", "budget 8 ms"):
+    for part in (
+        "small, 60 nodes",
+        "turn, 3.0 s, up to 751 frames",
+        "machine (assumed)",
+        "budget 8 ms",
+    ):
         assert part in text
     assert "first 30 frames are warm-up" in text
 
