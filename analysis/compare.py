@@ -85,9 +85,10 @@ def compare(
     Raises
     ------
     InputError
-        If a policy is given twice or its parameters are refused.
+        If a policy is given twice, its parameters are refused, or all frames would be warm-up.
     """
     options = options or CompareOptions()
+    _check_length(trace, replay_options, options)
     unfit = _unfit(policies, scene)
     world = World(scene, trace, hardware, replay_options, options.warmup)
     draws = choose_draws(hardware, options.draws)
@@ -115,6 +116,17 @@ def compare(
         beats=beats(pools),
     )
     return comparison, logs
+
+
+def _check_length(trace: CameraTrace, replay: ReplayOptions, options: CompareOptions) -> None:
+    """Refuse what no policy could be scored on."""
+    # A trace without duration is replayed for one frame.
+    frames = replay.frames or (1 if trace.duration_s == 0.0 else None)
+    if frames is not None and frames <= options.warmup:
+        raise InputError(
+            f"frames: expected more than the {options.warmup} of warm-up, got {frames}; "
+            "give --frames more or --warmup less"
+        )
 
 
 def _unfit(policies: Sequence[PolicySpec], scene: Scene) -> dict[str, str | None]:

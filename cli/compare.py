@@ -149,6 +149,8 @@ def _adjusted(
 
     wanted: dict[str, Any] = {"mode": display, "refresh_hz": refresh_hz}
     changes = {key: value for key, value in wanted.items() if value is not None}
+    if refresh_hz is not None and refresh_hz > 0.0:  # a slower display's range goes with it
+        changes["vrr_min_hz"] = min(profile.display.vrr_min_hz, refresh_hz)
     in_flight = profile.frames_in_flight if frames_in_flight is None else frames_in_flight
     screen = replace(profile.display, **changes)
     return replace(profile, display=screen, frames_in_flight=in_flight)

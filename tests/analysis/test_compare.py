@@ -127,9 +127,15 @@ def test_policies_are_named_once(world: World) -> None:
         world.compare("full", "full")
 
 
-def test_run_that_is_all_warmup_fails(world: World) -> None:
-    """Nothing is measured in a run as short as its warm-up."""
-    comparison, _ = world.compare("full", replay=ReplayOptions(budget_ms=8.0, frames=30))
+def test_run_that_is_all_warmup_is_refused(world: World) -> None:
+    """As many frames as the warm-up leave nothing to measure, whatever the policy."""
+    with pytest.raises(InputError, match="more than the 30 of warm-up, got 30"):
+        world.compare("full", replay=ReplayOptions(budget_ms=8.0, frames=30))
+
+
+def test_policy_too_slow_for_the_warmup_fails(world: World) -> None:
+    """Where frames end with the trace, a policy that shows too few of them is told by name."""
+    comparison, _ = world.compare("full", options=CompareOptions(warmup=100_000, workers=1))
     assert "warm-up" in str(comparison.policies[0].reason)
 
 

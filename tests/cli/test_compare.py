@@ -110,6 +110,7 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--budget-ms", "nan"], "budget: expected milliseconds > 0"),
         (["--frames", "0"], "frames: expected 1"),
         (["--warmup", "-1"], "warmup: expected"),
+        (["--frames", "30"], "frames: expected more than the 30 of warm-up, got 30"),
         (["--display", "crt"], "immediate, vsync, mailbox or vrr"),
         (["--refresh-hz", "0"], "refresh_hz"),
         (["--frames-in-flight", "9"], "1 to 4"),
@@ -130,6 +131,15 @@ def test_bad_input_ends_with_2_and_one_line(
     assert captured.err.startswith("error: ")
     assert captured.err.count("\n") == 1
     assert said in captured.err
+
+
+def test_a_display_slower_than_the_profiles_range(capsys: pytest.CaptureFixture[str]) -> None:
+    """30 Hz is a display, though the profile's variable rates end at 48."""
+    arguments = ["--policy", "full", "--display", "vsync", "--refresh-hz", "30", "--json"]
+    assert run([*SHORT, *arguments]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["budget_ms"] == pytest.approx(1000 / 30)
+    assert document["policies"][0]["metrics"]["frame_ms_p50"]["value"] == pytest.approx(1000 / 30)
 
 
 def test_folder_in_the_way_is_refused_before_the_replays(

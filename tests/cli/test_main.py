@@ -1,5 +1,6 @@
 """The command line as a whole: what it says, how it fails, and that it stays quiet about itself."""
 
+import os
 import subprocess
 import sys
 import types
@@ -128,6 +129,18 @@ def test_real_bad_input_exits_with_2(capsys: pytest.CaptureFixture[str], tmp_pat
     assert shown.out == ""
     assert shown.err.startswith(f"error: {absent}: expected ")
     assert shown.err.count("\n") == 1
+
+
+def test_a_terminal_without_unicode_gets_the_rest() -> None:
+    """What ASCII cannot say becomes a question mark, not a traceback."""
+    shown = subprocess.run(
+        [sys.executable, "-m", "lodbench", "compare", "--help"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert (shown.returncode, shown.stderr) == (0, b"")
+    assert b"--budget-ms" in shown.stdout
+    assert shown.stdout.isascii()
 
 
 def test_a_closed_pipe_ends_quietly() -> None:
