@@ -30,9 +30,9 @@ def verdicts(comparison: Comparison, ink: dict[str, Ink]) -> str:
 
 def _verdict(comparison: Comparison, ink: dict[str, Ink], title: str, metric: str) -> str:
     best = [policy for policy in comparison.ok if policy.label in best_labels(comparison, metric)]
-    names = ", ".join(_chip(policy, ink) for policy in best[:_MOST_NAMED]) or "no difference"
+    names = "<br>".join(_chip(policy, ink) for policy in best[:_MOST_NAMED]) or "no difference"
     if len(best) > _MOST_NAMED:
-        names += f" and {len(best) - _MOST_NAMED} more"
+        names += f"<br>and {len(best) - _MOST_NAMED} more"
     detail = ""
     if best:
         score = best[0].metrics[metric]
