@@ -108,11 +108,10 @@ def _default_comments(source: str) -> dict[str, str]:
 
 
 def _scenes() -> Iterator[Item]:
-    from ..models.scene_catalog import list_bundled_scenes, load_scene
+    from ..models.named_scenes import ABOUT
 
-    for name in list_bundled_scenes():
-        scene = load_scene(name)
-        yield {"name": name, "objects": len(scene), "types": list(scene.types.names)}
+    for name, about in ABOUT.items():
+        yield {"name": name, "about": about}
 
 
 def _traces() -> Iterator[Item]:

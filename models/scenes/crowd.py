@@ -1,0 +1,134 @@
+"""Peng's crowd: skinned, textured characters of 1,642 vertices and 2,620 triangles on a square.
+
+Peng, Park and Cao, "A real-time system of crowd rendering", section 5, Table 1.  A character is
+continuous; its collapse keeps the seams of the texture, as theirs does.
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ..arrays import FloatArray, IntArray
+from ..build import scene_of_objects
+from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
+from ..geometry import Geometry
+from ..mesh_error import Sampling
+from ..predictors import LEVEL_PREDICTORS
+from ..scene import Scene
+from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from ..type_model import TypeModel
+
+__all__ = ["LARGEST_CROWD", "SMALLEST_CROWD", "build_crowd", "character_mesh"]
+
+SMALLEST_CROWD, LARGEST_CROWD = 32, 32_768
+_SEED = 2011
+_SPACING_M = 1.5
+_SAMPLING = Sampling(vertices=5_000, surface=2_000)
+_TEXTURE_BYTES = 1024.0 * 1024.0 * 4.0 * 4.0 / 3.0  # assumed: RGBA8 of 1024 by 1024 with mips
+
+
+def build_crowd(count: int) -> tuple[Scene, Geometry]:
+    """Return `count` characters that stand on a square grid, a little out of line.
+
+    Raises
+    ------
+    InputError
+        If the count is not between 32 and 32,768.
+    """
+    if not SMALLEST_CROWD <= count <= LARGEST_CROWD:
+        raise InputError(
+            f"crowd: expected {SMALLEST_CROWD} to {LARGEST_CROWD} characters, got {count}"
+        )
+    rng = np.random.default_rng(_SEED)
+    side = int(np.ceil(np.sqrt(count)))
+    row, column = np.divmod(np.arange(count), side)
+    plan = _SPACING_M * (np.stack((column, row), axis=1) - (side - 1) / 2.0)
+    plan += rng.uniform(-0.3, 0.3, (count, 2))
+    yaw = rng.uniform(-np.pi, np.pi, count)
+    kind = np.zeros(count, dtype=np.int32)
+    return scene_of_objects(
+        f"crowd-{count}", [_character()], kind, plan, yaw, np.ones(count), np.ones(count)
+    )
+
+
+@cache
+def _character() -> TypeModel:
+    surface = OrderedSurface.of(character_mesh(), keep_texture=True)
+    model = build_continuous(surface, KnotOptions(knots=16, min_triangles=64), _SAMPLING)
+    counts = model.counts.copy()
+    vertices = counts[:, LEVEL_PREDICTORS.index("vertices")]
+    counts[:, LEVEL_PREDICTORS.index("skinned_vertices")] = vertices
+    return TypeModel(model.name, model.meshes, counts, model.error_m, continuous=True)
+
+
+def character_mesh() -> SurfaceMesh:
+    """Return a person 1.8 m tall in one piece of cloth: body, head, two arms, two legs.
+
+    Each part is closed, with a chart of the texture of its own.  A part of s sides and m rings has
+    ``2 s m`` triangles; seams make ``s + seams`` vertices a ring and s at each pole.
+    """
+    parts = [
+        _part(24, 15, 1, (0.0, 0.0, 1.12), (0.24, 0.15, 0.4), (0.0, 0.0)),
+        _part(18, 9, 1, (0.0, -0.02, 1.66), (0.11, 0.13, 0.15), (0.5, 0.0)),
+        _part(12, 13, 2, (-0.31, 0.0, 1.1), (0.065, 0.075, 0.38), (0.0, 0.5)),
+        _part(12, 13, 2, (0.31, 0.0, 1.1), (0.065, 0.075, 0.38), (0.25, 0.5)),
+        _part(14, 17, 2, (-0.12, 0.0, 0.44), (0.1, 0.12, 0.45), (0.5, 0.5)),
+        _part(14, 17, 2, (0.12, 0.0, 0.44), (0.1, 0.12, 0.45), (0.75, 0.5)),
+    ]
+    mesh = clean_surface("character", parts, texture_bytes=_TEXTURE_BYTES)
+    return mesh.standing(y_up=False, height_m=1.8)
+
+
+def _part(
+    sides: int,
+    rings: int,
+    seams: int,
+    center: tuple[float, float, float],
+    radii: tuple[float, float, float],
+    chart: tuple[float, float],
+) -> MeshPart:
+    """Return a closed, slightly uneven ellipsoid with its texture seams."""
+    column, u = _columns(sides, seams)
+    height = np.linspace(0.0, 1.0, rings + 2)
+    polar = np.pi * height[1:-1]
+    swell = 1.0 + 0.08 * np.cos(3.0 * polar)
+    angle = 2.0 * np.pi * (column % sides) / sides  # the last column is the first, to the bit
+    across = (np.sin(polar) * swell)[:, None]
+    x, y, z = np.broadcast_arrays(
+        across * np.cos(angle), across * np.sin(angle), np.cos(polar)[:, None]
+    )
+    ring = np.stack((x, y, z), axis=2)
+    ring_uv = np.stack(np.broadcast_arrays(u[None, :], height[1:-1, None]), axis=2)
+    starts = np.flatnonzero(np.diff(column) == 1)  # columns with a next one in the same chart
+    poles = np.repeat(((0.0, 0.0, 1.0), (0.0, 0.0, -1.0)), sides, axis=0)
+    middle = (u[starts] + u[starts + 1]) / 2.0
+    pole_uv = np.stack((np.tile(middle, 2), np.repeat((0.0, 1.0), sides)), axis=1)
+    points = np.concatenate((ring.reshape(-1, 3), poles)) * radii + center
+    uv = np.concatenate((ring_uv.reshape(-1, 2), pole_uv)) * (0.24, 0.49) + chart
+    return MeshPart(points, _part_faces(starts, rings, len(column)), 0, textured=True, uv=uv)
+
+
+def _columns(sides: int, seams: int) -> tuple[FloatArray, FloatArray]:
+    """Return angular steps of the columns of a ring and their u, a column twice at each seam."""
+    if seams == 1:
+        whole = np.arange(sides + 1.0)
+        return whole, whole / sides
+    half = sides // 2
+    step = np.concatenate((np.arange(half + 1.0), np.arange(half, sides + 1.0)))
+    # A gap between the charts, so that the two sides of a seam differ in u.
+    u: FloatArray = (step + (np.arange(len(step)) > half)) / (sides + 1.0)
+    return step, u
+
+
+def _part_faces(starts: IntArray, rings: int, width: int) -> NDArray[np.int64]:
+    a = (np.arange(rings - 1)[:, None] * width + starts).ravel()
+    quads = np.concatenate(
+        (np.stack((a, a + width, a + width + 1), 1), np.stack((a, a + width + 1, a + 1), 1))
+    )
+    first_pole = rings * width + np.arange(len(starts))
+    last = (rings - 1) * width + starts
+    north = np.stack((first_pole, starts, starts + 1), axis=1)
+    south = np.stack((first_pole + len(starts), last + 1, last), axis=1)
+    return np.concatenate((quads, north, south)).astype(np.int64)

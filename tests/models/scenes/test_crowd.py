@@ -1,0 +1,51 @@
+"""Peng's crowd: vertices, triangles, skin and texture of a character, and where they stand."""
+
+import numpy as np
+import pytest
+
+from lodbench import InputError
+from lodbench.models.level_mesh import level_mesh
+from lodbench.models.scene_catalog import load_scene
+from lodbench.models.scenes.crowd import build_crowd, character_mesh
+
+
+def test_a_character_as_in_table_1() -> None:
+    """1,642 vertices with seams, 2,620 triangles; closed in space, cut open in the texture."""
+    mesh = character_mesh()
+    drawn = level_mesh(mesh, mesh.positions, mesh.faces, mesh.part, mesh.uv_index)
+    assert (len(drawn.vertices), len(drawn.faces)) == (1_642, 2_620)
+    ends = np.sort(np.stack((mesh.faces, np.roll(mesh.faces, -1, 1)), 2).reshape(-1, 2), 1)
+    assert (np.unique(ends, axis=0, return_counts=True)[1] == 2).all()
+    assert len(mesh.positions) == 2_620 // 2 + 2 * 6  # Euler: six closed pieces
+    assert mesh.uv.min() >= 0.0
+    assert mesh.uv.max() <= 1.0
+
+
+@pytest.mark.parametrize("count", [32, 1_000])
+def test_crowds(count: int) -> None:
+    """As many as named, all of one skinned, textured, continuous type, no two in one place."""
+    scene, _ = build_crowd(count)
+    assert scene.name == f"crowd-{count}"
+    assert len(scene) == count
+    levels = scene.types.levels
+    vertices, triangles, skinned, textured = levels.counts[:, [1, 2, 3, 4]].T
+    assert (vertices[0], triangles[0]) == (1_642.0, 2_620.0)
+    assert (skinned == vertices).all()
+    assert (textured == triangles).all()
+    assert levels.min_resolution[0] < 0.05
+    gap = scene.position_m[:32, None, :2] - scene.position_m[None, :32, :2]
+    assert (np.linalg.norm(gap, axis=2) + 9.0 * np.eye(32)).min() > 0.6
+
+
+@pytest.mark.parametrize("name", ["crowd-31", "crowd-32769", "crowd-9999999999"])
+def test_crowds_of_other_sizes_are_refused(name: str) -> None:
+    """With the numbers that can be had."""
+    with pytest.raises(InputError, match="32 to 32768 characters"):
+        load_scene(name)
+
+
+@pytest.mark.parametrize("name", ["crowd-", "crowd-x", "crowd-032", "crowd"])
+def test_what_is_no_crowd_is_an_unknown_name(name: str) -> None:
+    """The nearest name is suggested."""
+    with pytest.raises(InputError, match="crowd-1024"):
+        load_scene(name)
