@@ -54,7 +54,8 @@ def admit(
     """
     squared = np.square(weight)
     entry = np.minimum(np.maximum(setup, low), high)
-    key = np.divide(entry, squared, out=np.zeros(len(entry)), where=optional & (squared > 0.0))
+    key = np.divide(entry, squared, out=np.zeros(len(entry)), where=squared > 0.0)
+    key[~optional] = -1.0  # before what is optional but costs nothing to draw
     order = np.argsort(key, kind="stable")
     table = _Table(np.stack((squared, setup, low, high))[:, order])
     fewest, most = int(len(order) - np.count_nonzero(optional)), len(order)

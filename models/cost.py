@@ -78,7 +78,7 @@ class CostModel:
         )
 
     def level_ms(self, levels: LevelTable) -> tuple[FloatArray, FloatArray]:
-        """Return each level's linear cost and roofline geometry cost, whatever the view, (L,) both."""
+        """Return linear and roofline geometry cost of each level, whatever the view, both (L,)."""
         count = len(LEVEL_PREDICTORS)
         return (
             levels.counts @ self.linear_ms[:count],

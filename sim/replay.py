@@ -174,7 +174,7 @@ class _Source:
         self._pace_ns = 0
         try:
             policy.reset(self._scene, options.budget_ms)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise PolicyError(name, None, _describe(error)) from error
 
     def attach(self, pipeline: Pipeline) -> None:
@@ -257,7 +257,7 @@ class _Source:
             if self._oracle is not None:
                 self._oracle.foresee(truth)
             selection = self._policy.select(view)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
         violation = find_violation(selection, view.ids, self._scene, self._tree)
         violation = violation or find_not_resident(selection, view)
@@ -374,7 +374,7 @@ def _culled(selection: Selection, inside: BoolArray) -> Selection:
     return replace(selection, ids=selection.ids[keep], detail=selection.detail[keep], holder=holder)
 
 
-def _describe(error: Exception) -> str:
+def _describe(error: BaseException) -> str:
     """Return an exception raised by a policy in one line."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

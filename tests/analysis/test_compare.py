@@ -143,7 +143,7 @@ def test_intervals_hold_the_value_of_means(world: World) -> None:
     """The interval of a mean holds it, and ends are in order for every metric."""
     comparison, _ = world.compare("feedback")
     metrics = comparison.policies[0].metrics
-    for name in ("work_ms_mean", "lag_ms_mean", "over_budget_fraction"):
+    for name in ("work_ms_mean", "lag_ms_mean", "utilisation"):
         score = metrics[name]
         assert score.low is not None
         assert score.value is not None

@@ -1,7 +1,5 @@
 """Robust non-negative least squares against known coefficients and independent solvers."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -64,8 +62,8 @@ def test_scale_and_slopes_agree_with_direct_maximum_likelihood():
     def loss(p: np.ndarray) -> float:
         m = p[0] + predictors @ (p[1:3] * TRUE_SLOPES)
         # the location of the quotient, as the estimating equation has it: m enters as a scale only
-        density: Any = stats.t.logpdf((times - m) / mean / p[3], 4)
-        return len(mean) * float(np.log(p[3])) - float(density.sum())
+        density = np.asarray(stats.t.logpdf((times - m) / mean / p[3], 4), dtype=np.float64)
+        return len(mean) * float(np.log(p[3])) - float(np.sum(density))
 
     answer = optimize.minimize(
         loss, [2.0, 1.0, 1.0, 0.05], bounds=[(0, 10), (0, 10), (0, 10), (1e-3, 1)]

@@ -135,6 +135,6 @@ def test_nothing_half_written(tmp_path: Path, timings: FrameTimings) -> None:
     with pytest.raises(InputError, match="expected a file that can be written"):
         write_presentmon(tmp_path / "none" / "out.csv", timings)
     (tmp_path / "folder.csv").mkdir()
-    with pytest.raises(InputError, match="expected a file that can be written"):
+    with pytest.raises(InputError, match="expected a file, got a folder"):
         write_presentmon(tmp_path / "folder.csv", timings)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.csv", "given.csv"]
