@@ -1,5 +1,6 @@
 """A frame budget to assert: `lodbench check` as a function."""
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 from ..analysis.gate.limits_file import choose_limits
 from ..analysis.gate.measure import Sampling
 from ..analysis.gate.run import Plan, judge_measured, measure_plan
-from ..analysis.gate.text import describe_failures
+from ..analysis.gate.text import describe, describe_failures
 from ..analysis.inputs import load_trace
 from ..models.hardware import HardwareProfile
 from ..models.profile_catalog import load_hardware
@@ -17,8 +18,9 @@ from ..policies.registry import parse_policy
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions, replay
 from ..traces.camera import CameraTrace
+from .naming import name_policy
 
-__all__ = ["FrameBudget", "assert_budget", "name_policy", "replay_policy"]
+__all__ = ["FrameBudget", "assert_budget", "replay_policy"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +53,7 @@ def assert_budget(
 ) -> None:
     """Assert that a policy keeps its limits in a scene on a trace.
 
-    The message of a failure is what `lodbench check` prints of it.
+    The message of a failure is what `lodbench check` prints of it; what is undecided is a warning.
 
     Raises
     ------
@@ -60,6 +62,7 @@ def assert_budget(
     InputError
         If a name, file or limit cannot be used.
     """
+    __tracebackhide__ = True  # noqa: F841 - pytest reads it: the message says all
     chosen = budget or FrameBudget()
     limits = choose_limits(chosen.limits, chosen.baseline)
     plan = Plan(
@@ -76,11 +79,9 @@ def assert_budget(
     report = judge_measured(limits, measured, conditions, chosen.baseline, strict=chosen.strict)
     if not report.passed:
         raise AssertionError(describe_failures(report))
-
-
-def name_policy(policy: str | type[Any]) -> str:
-    """Return the name of a policy class on a command line."""
-    return policy if isinstance(policy, str) else f"{policy.__module__}:{policy.__qualname__}"
+    for verdict in report.verdicts:
+        if verdict.outcome == "undecided":
+            warnings.warn(describe(verdict), stacklevel=2)
 
 
 def replay_policy(

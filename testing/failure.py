@@ -1,6 +1,5 @@
 """A failing example on paper: files that `compare` can replay, and a picture of its frame times."""
 
-import inspect
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from ..models.profile_writer import write_profile
 from ..models.scene_file import write_scene
 from ..traces.write import write_trace
 from .example import Example, Factory
+from .naming import name_policy
 from .picture import draw_frame_times
 
 __all__ = ["Failure", "write_failure"]
@@ -39,7 +39,7 @@ def write_failure(folder: Path, failure: Failure, factory: Factory, title: str) 
         write_scene(folder / f"{name}.lodscene", example.scene, ())
         write_trace(example.trace, folder / f"{name}.csv")
         write_profile(example.hardware, folder / f"{name}.toml", title)
-        command = _command(folder / name, example, _policy_name(factory))
+        command = _command(folder / name, example, name_policy(type(factory())))
         text += [f"smallest example found ({name}): {example}", f"  {command}"]
     picture = folder / "frame-times.svg"
     picture.write_text(_picture(failure.runs, factory, title), encoding="utf-8")
@@ -55,17 +55,6 @@ def _command(stem: Path, example: Example, policy: str) -> str:
             *("--warmup", "0"),
         ]
     )
-
-
-def _policy_name(factory: Factory) -> str:
-    """Return what a command line calls the policy of a factory: a class in a file, or a module."""
-    cls = type(factory())
-    if cls.__module__.partition(".")[0] == __name__.partition(".")[0]:
-        return f"{cls.__module__}:{cls.__qualname__}"
-    try:
-        return f"{inspect.getfile(cls)}:{cls.__qualname__}"
-    except (OSError, TypeError):
-        return f"{cls.__module__}:{cls.__qualname__}"
 
 
 def _picture(runs: Sequence[tuple[str, Example]], factory: Factory, title: str) -> str:

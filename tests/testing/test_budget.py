@@ -1,0 +1,88 @@
+"""Asserting a budget on worlds made by hand, and what a policy class is called."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from lodbench.models.hardware import HardwareProfile
+from lodbench.models.scene import Scene
+from lodbench.policies.full import Full
+from lodbench.policies.registry import parse_policy
+from lodbench.testing import FrameBudget, assert_budget
+from lodbench.testing.budget import replay_policy
+from lodbench.testing.naming import name_policy
+from lodbench.traces.camera import CameraTrace
+
+
+@pytest.fixture
+def world(
+    make_scene: Callable[..., Scene], make_trace: Callable[..., CameraTrace]
+) -> tuple[Scene, CameraTrace]:
+    """Return three objects of 1,000 triangles before a camera that looks at them for a second."""
+    scene = make_scene([(-2.0, 0.0, -8.0), (0.0, 0.0, -9.0), (2.0, 0.0, -10.0)])
+    return scene, make_trace([(0.0, 0.0, 0.0)] * 2)
+
+
+@pytest.fixture
+def budget(make_hardware: Callable[..., HardwareProfile]) -> FrameBudget:
+    """Return a machine of a microsecond a triangle and a millisecond a frame, without noise."""
+    return FrameBudget(hardware=make_hardware(), frames=60, seeds=2, budget_ms=4.5)
+
+
+def test_what_fits_passes_and_what_does_not_fails(
+    world: tuple[Scene, CameraTrace], budget: FrameBudget
+) -> None:
+    """Three objects in full take 4 ms: within 4.5 ms, and not within 3.9."""
+    assert_budget(Full, *world, budget)
+    with pytest.raises(AssertionError) as failed:
+        assert_budget("full", *world, replace(budget, budget_ms=3.9))
+    assert str(failed.value) == (
+        "FAILS: full in by-hand on by-hand: work_ms_p95 4.00 ms [4.00, 4.00], limit max budget "
+        "(3.9 ms); worst frame 30 of seed 0 at 0.12 s with 4.00, camera at (0.00, 0.00, 0.00) m"
+    )
+
+
+def test_undecided_is_a_warning_or_a_failure(
+    world: tuple[Scene, CameraTrace], budget: FrameBudget, tmp_path: Path
+) -> None:
+    """What could not be judged is never silent."""
+    limits = tmp_path / "limits.toml"
+    limits.write_text("[limits]\nsettle_ms = { max = 1 }\n", encoding="utf-8")
+    unsure = replace(budget, limits=limits)
+    with pytest.warns(UserWarning, match="undecided: full in by-hand on by-hand: settle_ms"):
+        assert_budget("full", *world, unsure)
+    with pytest.raises(AssertionError, match="undecided: full"):
+        assert_budget("full", *world, replace(unsure, strict=True))
+
+
+def test_a_replay_takes_seed_and_frames_of_the_budget_or_its_own(
+    world: tuple[Scene, CameraTrace], budget: FrameBudget
+) -> None:
+    """A log is of the budget's frames unless others are asked for."""
+    log = replay_policy(Full, *world, replace(budget, seed=4))
+    assert (len(log), log.header.seed, log.header.budget_ms) == (60, 4, 4.5)
+    log = replay_policy(Full, *world, budget, seed=9, frames=7)
+    assert (len(log), log.header.seed) == (7, 9)
+    refresh = replay_policy("full", *world, replace(budget, budget_ms=None, frames=2))
+    assert refresh.header.budget_ms == pytest.approx(1e3 / 60.0)
+
+
+def test_names_of_policies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A class of a package goes by its module, one of a file by the path from here."""
+    assert name_policy("feedback:gain=1") == "feedback:gain=1"
+    assert name_policy(Full) == "lodbench.policies.full:Full"
+    (tmp_path / "mine.py").write_text(
+        "class Mine:\n    def reset(self, scene, budget_ms): ...\n    select = reset\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "below").mkdir()
+    mine = parse_policy(f"{tmp_path / 'mine.py'}:Mine").cls
+    for folder, name in (
+        (tmp_path, "mine.py:Mine"),
+        (tmp_path / "below", f"{tmp_path}/mine.py:Mine"),
+    ):
+        monkeypatch.chdir(folder)
+        assert name_policy(mine) == name
+        assert parse_policy(name).cls.__qualname__ == "Mine"
