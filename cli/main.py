@@ -35,7 +35,9 @@ COMMANDS = {
         "Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which.",
     ),
     "check": Command(
-        "check", "check", "Hold frame times and flicker against limits, as a gate for CI."
+        "check",
+        "check",
+        "Hold a policy's frame times and flicker against limits: 0 passed, 1 failed, 2 bad input.",
     ),
     "report": Command(
         "report",
@@ -48,7 +50,11 @@ COMMANDS = {
         "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto).",
     ),
     "fit": Command("fit", "fit", "Fit a cost model to measured render logs: a hardware profile."),
-    "stress": Command("stress", "stress", "Search a camera path on which a policy does badly."),
+    "stress": Command(
+        "stress",
+        "stress",
+        "Search camera paths within speed and turn limits for one on which a policy does badly.",
+    ),
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
