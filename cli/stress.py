@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -78,27 +79,34 @@ def stress(
     check += ["--baseline", str(out.with_suffix(".baseline.json"))]
     check += ["--seed", str(seed)] if seed else []
     check += ["--budget-ms", repr(budget_ms)] if budget_ms is not None else []
-    if as_json:
-        record = {
-            "schema": "lodbench.stress/1",
-            "policy": policy,
-            "scene": loaded.name,
-            "hardware": profile.name,
-            "badness": badness,
-            "metric": metric,
-            "value": found.value,
-            "walk": on_walk,
-            "evaluations": found.evaluations,
-            "trace": str(out),
-            "limits": str(limits),
-            "check": check,
-        }
-        print(json.dumps(record, indent=1))
-        return
-    print(f"{badness} {found.value:.3g} on the path found, {on_walk:.3g} on the bundled walk")
-    print(f"path: {out}")
-    print(f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}")
-    print(f"test it from then on:   {shlex.join(check)}")
+    record = {
+        "schema": "lodbench.stress/1",
+        "policy": policy,
+        "scene": loaded.name,
+        "hardware": profile.name,
+        "badness": badness,
+        "metric": metric,
+        "value": found.value,
+        "walk": on_walk,
+        "evaluations": found.evaluations,
+        "trace": str(out),
+        "limits": str(limits),
+        "check": check,
+    }
+    print(json.dumps(record, indent=1) if as_json else _text(record, check))
+
+
+def _text(record: Mapping[str, object], check: list[str]) -> str:
+    """Return what was found, and how to keep it as a test."""
+    badness, value, walk = record["badness"], record["value"], record["walk"]
+    return "\n".join(
+        (
+            f"{badness} {value:.3g} on the path found, {walk:.3g} on the bundled walk",
+            f"path: {record['trace']}",
+            f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}",
+            f"test it from then on:   {shlex.join(check)}",
+        )
+    )
 
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:

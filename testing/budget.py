@@ -62,7 +62,7 @@ def assert_budget(
     InputError
         If a name, file or limit cannot be used.
     """
-    __tracebackhide__ = True  # noqa: F841 - pytest reads it: the message says all
+    __tracebackhide__ = True  # for pytest: the message says all
     chosen = budget or FrameBudget()
     limits = choose_limits(chosen.limits, chosen.baseline)
     plan = Plan(

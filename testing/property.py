@@ -85,7 +85,7 @@ class Property:
         PropertyFailedError
             If an example is found.
         """
-        __tracebackhide__ = True  # noqa: F841 - pytest reads it: the message says all
+        __tracebackhide__ = True  # for pytest: the message says all
         policy = factory()
         if rest_frames is None:
             claimed = claims_of(policy).settles_frames

@@ -107,8 +107,14 @@ def measure(
     Raises
     ------
     InputError
-        If a policy is given twice or its parameters are refused.
+        If a policy is given twice, its parameters are refused, or all frames would be warm-up.
     """
+    frames = world.options.frames
+    if frames is not None and frames <= world.warmup:
+        raise InputError(
+            f"frames: expected more than the {world.warmup} of warm-up, got {frames}; "
+            "give --frames more or --warmup less"
+        )
     unfit = {
         spec.text: why_not_applicable(spec.make().capabilities, world.scene) for spec in policies
     }
