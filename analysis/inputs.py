@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from ..errors import InputError
-from ..models.extent import scene_extent
 from ..models.scene import Scene
 from ..traces.camera import CameraTrace
-from ..traces.generate import KINDS, generate
+from ..traces.generate import KINDS
 from ..traces.place import Placement, fit_placement, place
 from ..traces.read import read_trace, split_spec
-from ..traces.tour import EYE_M, tour
+from ..traces.tour import EYE_M
+from .stages import find_stage
 
 __all__ = ["BUNDLED_TRACE", "GENERATED_S", "Placing", "load_trace"]
 
@@ -32,6 +32,8 @@ since a scale multiplies speeds too; ``fit`` scales it to fill the scene; ``cent
 def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
+    Bundled scenes have ways and speeds of their own, see `stages`.
+
     Raises
     ------
     InputError
@@ -39,13 +41,11 @@ def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
     """
     if placing not in get_args(Placing):
         raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {placing}; name one")
-    middle, size = scene_extent(scene)
-    ground = (float(middle[0]), float(middle[1]), float(middle[2] - 0.5 * size[2]))
-    plan = (float(size[0]), float(size[1]))
+    stage = find_stage(scene)
     if spec == BUNDLED_TRACE:
-        return tour(ground, plan)
+        return stage.tour()
     if spec in KINDS:
-        return generate(spec, duration_s=GENERATED_S, extent_m=min(plan), center_m=ground)
+        return stage.move(spec, GENERATED_S)
     if not _names_a_file(spec):
         names = [BUNDLED_TRACE, *KINDS]
         near = difflib.get_close_matches(spec, names, n=1)
@@ -54,7 +54,8 @@ def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
     trace = read_trace(spec)
     if placing == "none":
         return trace
-    placement = fit_placement(trace, center_m=ground, extent_m=plan, eye_height_m=EYE_M)
+    ground = stage.ground_m
+    placement = fit_placement(trace, center_m=ground, extent_m=stage.plan_m, eye_height_m=EYE_M)
     if placing == "center" or (placing == "shrink" and placement.scale > 1.0):
         low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
         x, y = ground[:2] - 0.5 * (low + high)[:2]
