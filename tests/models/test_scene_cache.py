@@ -65,10 +65,10 @@ def test_a_cache_that_cannot_be_written_is_named(
     ("platform", "variables", "end"),
     [
         ("linux", {"XDG_CACHE_HOME": "/x"}, "/x/lodbench"),
-        ("linux", {}, "/home/me/.cache/lodbench"),
-        ("darwin", {}, "/home/me/Library/Caches/lodbench"),
+        ("linux", {}, "/users/me/.cache/lodbench"),
+        ("darwin", {}, "/users/me/Library/Caches/lodbench"),
         ("win32", {"LOCALAPPDATA": "/local"}, "/local/lodbench/Cache"),
-        ("win32", {}, "/home/me/AppData/Local/lodbench/Cache"),
+        ("win32", {}, "/users/me/AppData/Local/lodbench/Cache"),
         ("linux", {"LODBENCH_CACHE": "/mine"}, "/mine"),
     ],
 )
@@ -81,5 +81,5 @@ def test_the_folder_by_platform(
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setattr("sys.platform", platform)
-    monkeypatch.setattr(Path, "home", lambda: Path("/home/me"))
+    monkeypatch.setattr(Path, "home", lambda: Path("/users/me"))
     assert cache_folder() == Path(end)
