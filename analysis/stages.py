@@ -23,6 +23,7 @@ WALK_M_S, DRIVE_M_S = 1.4, 14.0
 """Speeds along a way: on foot, and ten times as fast, as the HLOD thesis compares (section 6.5)."""
 
 _EYE_M = 1.65
+_FLIGHT_M, _FLIGHT_SHARE = 60.0, 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +94,15 @@ def find_stage(scene: Scene) -> Stage:
         return known()
     middle, size = scene_extent(scene)
     ground = (float(middle[0]), float(middle[1]), float(middle[2] - 0.5 * size[2]))
-    return Stage(ground, (float(size[0]), float(size[1])))
+    plan = (float(size[0]), float(size[1]))
+    # From the usual height, a view 25 degrees down would miss a small scene.
+    low = min(_FLIGHT_M, _FLIGHT_SHARE * min(plan))
+    return Stage(ground, plan, moves={"fly-over": Move(height_m=low)})
 
 
 def _atlas() -> Stage:
-    return Stage((0.0, 0.0, 0.0), (44.0, 25.0))
+    moves = {"fly-over": Move(44.0, None, 30.0), "orbit": Move(90.0)}
+    return Stage((0.0, 0.0, 0.0), (44.0, 25.0), moves=moves)
 
 
 def _city() -> Stage:
@@ -110,7 +115,8 @@ def _soda_hall() -> Stage:
     from ..models.scenes.floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, route_m
 
     length, depth = LENGTH_M + CORRIDOR_M, 3.0 * DEPTH_M + 2.0 * CORRIDOR_M
-    return Stage((length / 2.0, depth / 2.0, 0.0), (length, depth), route_m())
+    moves = {"fly-over": Move(140.0, None, 40.0), "orbit": Move(160.0)}
+    return Stage((length / 2.0, depth / 2.0, 0.0), (length, depth), route_m(), moves)
 
 
 def _styria() -> Stage:

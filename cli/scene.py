@@ -7,6 +7,7 @@ import typer
 
 from .scene_hlod import build_hlod
 from .scene_output import check_target, show
+from .scene_picture import check_picture, draw_picture
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..models.build import PlacementOptions
@@ -99,12 +100,43 @@ def info(
         ),
     ],
     *,
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="Write a PNG of one frame, coloured by level of detail."),
+    ] = None,
+    policy: Annotated[
+        str | None,
+        typer.Option(
+            help="Whose levels the picture shows; else static-screen, or in a tree "
+            "screen-space-error."
+        ),
+    ] = None,
+    trace: Annotated[str, typer.Option(help="What moves the picture's camera.")] = "tour",
+    frame: Annotated[int, typer.Option(help="Frame of the replay to picture.")] = 600,
+    hardware: Annotated[
+        str, typer.Option(help="The profile that the policy is replayed on.")
+    ] = "desktop-assumed",
+    budget_ms: Annotated[
+        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show types, levels of detail with their errors, objects and extent."""
+    """Show types, levels of detail with their errors, objects and extent; or a picture of it."""
     from ..models.scene_catalog import open_scene
 
+    if picture is not None:
+        check_picture(picture, frame)
     opened = open_scene(scene)
+    if picture is not None:
+        draw_picture(
+            opened,
+            picture,
+            trace=trace,
+            policy=policy,
+            frame=frame,
+            hardware=hardware,
+            budget_ms=budget_ms,
+        )
     show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
 
 

@@ -19,6 +19,7 @@ from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from ..type_model import gather_types
 from .floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, FloorPlan, plan_floor
 from .furniture import CABINET, CHAIR, COMPUTER, DESK, LAMP, PLANT, SHELF, make_furniture
+from .room_shell import Bay, shell_mesh, split_room
 
 __all__ = ["FLOORS", "STOREY_M", "build_soda_hall"]
 
@@ -27,8 +28,7 @@ FLOORS = (29, 29, 29, 30, 30, 30)
 """Rooms of each floor, corridors not counted: 177."""
 
 STOREY_M = 4.0
-_WALL_M = 3.2  # height of a room
-_BAY_M = LENGTH_M / 10.0  # length of a room of a full row
+_PANEL_M = 7.5  # length of a panel of the facade
 _LECTURE = (2, 4)  # floor and room of the lecture hall, with 90 chairs
 _CHAIN = ChainOptions(levels=4, ratio=0.4, min_triangles=12)
 _SAMPLING = Sampling(vertices=2_000, surface=500)
@@ -40,9 +40,7 @@ def build_soda_hall() -> tuple[Scene, Geometry]:
     shape_rng, place_rng = np.random.default_rng(_SEED).spawn(2)
     plans = [plan_floor(rooms) for rooms in FLOORS]
     furniture = make_furniture(shape_rng)
-    meshes = (*furniture, *_shells(shape_rng), _panel(shape_rng))
-    models = [build_chain(mesh, _CHAIN, _SAMPLING) for mesh in meshes]
-    types, geometry = gather_types(models)
+    bays: dict[Bay, int] = {}
     kind: list[IntArray] = []
     place: list[FloatArray] = []
     cell: list[IntArray] = []
@@ -52,13 +50,19 @@ def build_soda_hall() -> tuple[Scene, Geometry]:
         lift = np.array((0.0, 0.0, floor * STOREY_M))
         for room in range(len(plan.low_m)):
             pieces, at = _furnish(plan, floor, room, place_rng)
-            shell, corners = _line_with_shells(plan, room)
-            kind += [len(furniture) + shell, pieces]
+            split = split_room(plan, room)
+            corners = np.column_stack(([corner for corner, _ in split], np.zeros(len(split))))
+            shells = [len(furniture) + bays.setdefault(bay, len(bays)) for _, bay in split]
+            kind += [np.array(shells), pieces]
             place += [corners + lift, at + lift]
-            cell.append(np.full(len(pieces) + len(shell), first + room))
-            quarter = np.concatenate((np.zeros(len(shell)), place_rng.integers(0, 4, len(pieces))))
+            cell.append(np.full(len(pieces) + len(split), first + room))
+            quarter = np.concatenate((np.zeros(len(split)), place_rng.integers(0, 4, len(pieces))))
             yaw.append(quarter.astype(np.float64) * (np.pi / 2.0))
         first += len(plan.low_m)
+    shells = [shell_mesh(f"bay-{i}", bay, shape_rng) for bay, i in bays.items()]
+    meshes = (*furniture, *shells, _panel(shape_rng))
+    models = [build_chain(mesh, _CHAIN, _SAMPLING) for mesh in meshes]
+    types, geometry = gather_types(models)
     panels, panel_yaw = _facade_panels()
     kind.append(np.full(len(panels), len(models) - 1))
     place.append(panels)
@@ -103,38 +107,17 @@ def _furnish(
     return kind, np.column_stack((at, z))
 
 
-def _shells(rng: np.random.Generator) -> list[SurfaceMesh]:
-    """Return walls, floor and ceiling of a room and of a piece of corridor, from inside."""
-    shells: list[SurfaceMesh] = []
-    for name, depth in (("room", DEPTH_M), ("corridor", CORRIDOR_M)):
-        box = rough_box(rng, 8)
-        points = (box.vertices + 0.5) * (_BAY_M, depth, _WALL_M)
-        shells.append(clean_surface(name, [MeshPart(points, box.faces[:, ::-1])]))
-    return shells
-
-
-def _line_with_shells(plan: FloorPlan, room: int) -> tuple[IntArray, FloatArray]:
-    """Return which shells line a room, and their corners: one bay of 7.5 m after the other."""
-    low, high = plan.low_m[room], plan.high_m[room]
-    corridor = room >= plan.rooms
-    step = min(_BAY_M, float(high[0] - low[0]))
-    x = np.arange(low[0], high[0] - step / 2.0, step)
-    y = np.arange(low[1], high[1] - 1.0, CORRIDOR_M if corridor else DEPTH_M)
-    corner = np.stack(np.meshgrid(x, y, (0.0,), indexing="ij"), axis=-1).reshape(-1, 3)
-    return np.full(len(corner), int(corridor)), corner
-
-
 def _panel(rng: np.random.Generator) -> SurfaceMesh:
-    """Return a bay of the outer wall of one storey, 7.5 m long along x."""
+    """Return a piece of the outer wall of one storey, 7.5 m long along x."""
     box = rough_box(rng, 6)
-    points = (box.vertices + 0.5) * (_BAY_M, 0.3, STOREY_M)
+    points = (box.vertices + 0.5) * (_PANEL_M, 0.3, STOREY_M)
     return clean_surface("facade", [MeshPart(points, box.faces)])
 
 
 def _facade_panels() -> tuple[FloatArray, FloatArray]:
     """Return places (n, 3) and turns (n,) of the panels about all storeys."""
     length, depth = LENGTH_M + CORRIDOR_M, 3.0 * DEPTH_M + 2.0 * CORRIDOR_M
-    along, up = np.arange(0.0, length, _BAY_M), np.arange(0.0, depth, _BAY_M)
+    along, up = np.arange(0.0, length, _PANEL_M), np.arange(0.0, depth, _PANEL_M)
     rows = [
         (along, np.full(len(along), -0.3), 0.0),
         (along, np.full(len(along), depth), 0.0),

@@ -203,3 +203,26 @@ def test_build_a_tree(
     assert len(read_geometry(Path(out))) == len(built["types"])
     assert run(["scene", "build-hlod", meshes[0], "--out", out, "--level-factor", "1"]) == 2
     assert "level factor: expected 2 to 16" in capsys.readouterr().err
+
+
+def test_info_draws_a_picture(
+    meshes: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A PNG of the frame beside the numbers; a wrong name, frame or policy is refused in a line."""
+    scene, picture = str(tmp_path / "two.lodscene"), tmp_path / "two.png"
+    assert run(["scene", "build", *meshes, "--out", scene, "--count", "20"]) == 0
+    capsys.readouterr()
+    options = ["--picture", str(picture), "--frame", "3", "--policy", "full"]
+    assert run(["scene", "info", scene, *options, "--json"]) == 0
+    assert document(capsys)["objects"] == 20
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    for wrong, message in (
+        (["--picture", str(tmp_path / "two.jpg")], "ends in .png"),
+        (["--picture", str(tmp_path / "no" / "two.png")], "a folder to write to"),
+        (["--picture", str(picture), "--frame", "-1"], "frame: expected"),
+        (["--picture", str(picture), "--policy", "maciel"], "maciel: expected a policy that fits"),
+    ):
+        assert run(["scene", "info", scene, *wrong]) == 2
+        printed = capsys.readouterr()
+        assert message in printed.err
+        assert printed.out == ""
