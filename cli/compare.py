@@ -103,11 +103,13 @@ def compare(
     from ..models.scene_catalog import load_scene
     from ..policies.registry import default_policies, parse_policy
     from ..sim.replay import ReplayOptions
+    from .scene_output import opening
 
     if out is not None:
         check_target(out)
     profile = _adjusted(load_hardware(hardware), display, refresh_hz, frames_in_flight)
-    loaded = load_scene(scene)
+    with opening(scene):
+        loaded = load_scene(scene)
     with _progress_bar() as progress:
         comparison, logs = analysis.compare(
             [parse_policy(text) for text in policy or default_policies()],

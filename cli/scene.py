@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .scene_hlod import build_hlod
-from .scene_output import check_target, show
+from .scene_output import check_target, opening, show
 from .scene_picture import check_picture, draw_picture
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
@@ -126,7 +126,8 @@ def info(
 
     if picture is not None:
         check_picture(picture, frame)
-    opened = open_scene(scene)
+    with opening(scene):
+        opened = open_scene(scene)
     if picture is not None:
         draw_picture(
             opened,

@@ -1,16 +1,19 @@
 """What the commands on scenes have in common: where they write, and how they show a scene."""
 
 import json
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
+    from collections.abc import Generator
+
     from rich.table import Table
 
     from ..models.scene import Scene
     from ..models.scene_file import SceneOrigin
 
-__all__ = ["check_target", "show"]
+__all__ = ["check_target", "opening", "show"]
 
 _MOST_TYPES = 64  # in a table; --json has them all
 _READERS = ("3d-tiles", "gltf")
@@ -25,6 +28,19 @@ def check_target(out: Path) -> None:
         raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
     if not out.parent.is_dir():
         raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+
+
+@contextmanager
+def opening(spec: str) -> "Generator[None]":
+    """Tell on stderr, where that is a terminal, that a scene is opened or made for the first time."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    with console.status(f"opening {spec}; bundled scenes are made the first time"):
+        yield
 
 
 def show(schema: str, spec: str, scene: "Scene", origin: "SceneOrigin", *, as_json: bool) -> None:
