@@ -32,7 +32,7 @@ def check_target(out: Path) -> None:
 
 @contextmanager
 def opening(spec: str) -> "Generator[None]":
-    """Tell on stderr, where that is a terminal, that a scene is opened or made for the first time."""
+    """Tell on stderr, where that is a terminal, that a scene is opened, or made at first."""
     from rich.console import Console
 
     console = Console(stderr=True)
