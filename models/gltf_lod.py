@@ -16,7 +16,15 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .arrays import FloatArray
 from .geometry import Geometry
-from .gltf_file import Document, Gltf, Node, Primitive, read_gltf
+from .gltf_file import Gltf, read_gltf
+from .gltf_schema import (
+    TRIANGLE_FAN,
+    TRIANGLE_STRIP,
+    TRIANGLES,
+    Document,
+    Node,
+    Primitive,
+)
 from .level_mesh import level_counts, level_mesh
 from .mesh_error import ErrorMeter, Sampling
 from .scene import Scene
@@ -257,13 +265,17 @@ def _uv(gltf: Gltf, primitive: Primitive, count: int) -> FloatArray | None:
 
 def _triangles(corners: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     """Return (f, 3) faces of a list, a strip or a fan; nothing of lines and points."""
-    if mode == 4:
+    if mode == TRIANGLES:
         return corners[: len(corners) // 3 * 3].reshape(-1, 3)
-    if mode not in (5, 6) or len(corners) < 3:
+    if mode not in (TRIANGLE_STRIP, TRIANGLE_FAN) or len(corners) < 3:
         return np.empty((0, 3), dtype=np.int64)
-    first = np.zeros(len(corners) - 2, dtype=np.int64) if mode == 6 else np.arange(len(corners) - 2)
+    first = (
+        np.zeros(len(corners) - 2, dtype=np.int64)
+        if mode == TRIANGLE_FAN
+        else np.arange(len(corners) - 2)
+    )
     second = np.arange(1, len(corners) - 1)
     order = np.stack((first, second, second + 1), axis=1)
-    if mode == 5:
+    if mode == TRIANGLE_STRIP:
         order[1::2] = order[1::2][:, [1, 0, 2]]
     return corners[order]

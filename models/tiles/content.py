@@ -6,7 +6,8 @@ import numpy as np
 
 from ...errors import InputError
 from ..arrays import FloatArray
-from ..gltf_file import count_meshes, parse_glb
+from ..gltf_counts import count_meshes
+from ..gltf_file import parse_glb
 
 __all__ = ["count_content"]
 

@@ -10,7 +10,8 @@ import pytest
 import trimesh
 
 from lodbench import InputError
-from lodbench.models.gltf_file import count_meshes, parse_glb, read_gltf
+from lodbench.models.gltf_counts import count_meshes
+from lodbench.models.gltf_file import parse_glb, read_gltf
 from lodbench.models.gltf_lod import read_gltf_scene
 from lodbench.models.mesh_error import Sampling
 from lodbench.models.mesh_file import load_mesh
