@@ -1,5 +1,6 @@
 """glTF files with MSFT_lod as scenes, and what their meshes count."""
 
+import base64
 import json
 import struct
 from pathlib import Path
@@ -194,3 +195,45 @@ def test_a_real_file_counts_as_trimesh_loads_it(data_dir: Path) -> None:
     assert placed[2] == counted[2] == len(load_mesh(path).faces)
     assert placed[4] == counted[4] > 0
     assert len(opened.read_geometry()) == 2
+
+
+@pytest.mark.parametrize(
+    ("mode", "corners", "faces"),
+    [
+        (4, [0, 1, 2, 2, 1, 3], [[0, 1, 2], [2, 1, 3]]),
+        (5, [0, 1, 2, 3], [[0, 1, 2], [2, 1, 3]]),
+        (6, [0, 1, 3, 2], [[0, 1, 3], [0, 3, 2]]),
+    ],
+)
+def test_lists_strips_and_fans(
+    mode: int, corners: list[int], faces: list[list[int]], tmp_path: Path
+) -> None:
+    """A unit square of two triangles by each mode, all turned the same way, counted alike."""
+    document: dict[str, Any] = {"asset": {"version": "2.0"}, "bufferViews": [], "accessors": []}
+    binary = bytearray()
+    square = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], dtype=np.float32)
+    primitive = {
+        "attributes": {"POSITION": accessor(document, square, binary)},
+        "indices": accessor(document, np.array(corners, dtype=np.uint16), binary),
+        "mode": mode,
+    }
+    uri = "data:application/octet-stream;base64," + base64.b64encode(bytes(binary)).decode()
+    document |= {"meshes": [{"primitives": [primitive]}], "nodes": [{"mesh": 0}]}
+    document["buffers"] = [{"byteLength": len(binary), "uri": uri}]
+    path = tmp_path / "a.gltf"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    _, (mesh,), _ = read_gltf_scene(path, FEW)
+    assert count_meshes(read_gltf(path).document)[2] == len(mesh.faces) == len(faces)
+    # The square looks along z in the file, which is -y here.
+    assert mesh.normals == pytest.approx(np.tile((0.0, -1.0, 0.0), (4, 1)))
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2, 3])
+def test_points_and_lines_draw_no_surface(mode: int, tmp_path: Path) -> None:
+    """A file of nothing else is refused as one without triangles."""
+    path = write_balls(tmp_path / "a.glb", [{"mesh": 0}])
+    data = path.read_bytes().replace(b'"indices": 1}', b'"mode":' + str(mode).encode() + b"    }")
+    assert f'"mode":{mode}'.encode() in data
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="at least one triangle"):
+        read_gltf_scene(path, FEW)
