@@ -1,18 +1,15 @@
 """`lodbench compare`: replay policies in one world and score them on the same footing."""
 
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..errors import InputError
+from .progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from collections.abc import Generator
-
-    from ..analysis.compare import Progress
     from ..analysis.comparison import Comparison
     from ..models.hardware import HardwareProfile
     from ..sim.faults import Faults
@@ -110,7 +107,7 @@ def compare(
     profile = _adjusted(load_hardware(hardware), display, refresh_hz, frames_in_flight)
     with opening(scene):
         loaded = load_scene(scene)
-    with _progress_bar() as progress:
+    with progress_bar("replay") as progress:
         comparison, logs = analysis.compare(
             [parse_policy(text) for text in policy or default_policies()],
             loaded,
@@ -177,20 +174,6 @@ def _parse_faults(text: str) -> "Faults":
                 f"--faults: expected KIND=NUMBER with a kind of {', '.join(kinds)}, got {item}"
             )
     return Faults(**numbers)
-
-
-@contextmanager
-def _progress_bar() -> "Generator[Progress | None]":
-    """Show a bar on stderr while replays run, if it is a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("replay", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _print(comparison: "Comparison", *, as_json: bool, wide: bool) -> None:

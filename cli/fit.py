@@ -2,19 +2,16 @@
 
 import json
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..errors import InputError
+from .progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from collections.abc import Generator
-
     from ..analysis.fit.fit import Source
-    from ..analysis.fit.sampler import Progress
     from ..traces.renderlog import TimeName
 
 __all__ = ["fit"]
@@ -116,7 +113,7 @@ def fit(
     )
     before = None if onto is None else load_hardware(onto)
     _check_outputs(terms, time, out, plots)
-    with _progress_bar() as progress:
+    with progress_bar("sample") as progress:
         found = fit_logs(
             sources,
             time,
@@ -187,20 +184,6 @@ def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path
         raise InputError(
             "expected a .toml file in a folder that exists; name such a path", path=out
         )
-
-
-@contextmanager
-def _progress_bar() -> "Generator[Progress | None]":
-    """Show a bar on stderr while the chain grows, if it is a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("sample", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _print(record: dict[str, Any], *, as_json: bool) -> None:

@@ -1,4 +1,4 @@
-"""A bar on stderr while replays run."""
+"""A bar on stderr while a command computes."""
 
 import sys
 from collections.abc import Callable, Generator
@@ -9,7 +9,7 @@ __all__ = ["progress_bar"]
 
 @contextmanager
 def progress_bar(label: str) -> Generator[Callable[[int, int], None] | None]:
-    """Yield what shows replays done of all, or None where stderr is no terminal."""
+    """Yield what shows steps done of all, or None where stderr is no terminal."""
     if not sys.stderr.isatty():
         yield None
         return

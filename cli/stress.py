@@ -111,13 +111,11 @@ def _text(record: Mapping[str, object], check: list[str]) -> str:
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:
     """Write limits that fail when the policy gets worse on the path, all or nothing."""
-    partial = path.with_name(f".{path.name}.partial")
+    from ..traces.whole_file import whole_text_file
+
     text = (
         f"# Found by `lodbench stress {policy}`: the path must not become worse than it is.\n"
         f'[limits]\n{metric} = {{ max_increase = "5%" }}\n'
     )
-    try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_text_file(path) as file:
+        file.write(text)

@@ -21,7 +21,14 @@ from ..models.scene import Scene
 from ..models.tree import Tree
 from .view import View
 
-__all__ = ["Choices", "LevelChoices", "Offer", "make_choices", "require_costs"]
+__all__ = [
+    "Choices",
+    "LevelChoices",
+    "Offer",
+    "importance",
+    "make_choices",
+    "require_costs",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +77,11 @@ class Weight(Protocol):
     def __call__(self, view: View) -> FloatArray:
         """Return a factor for each node of the view, (m,)."""
         ...
+
+
+def importance(view: View) -> FloatArray:
+    """Return the weight that the simulator's score gives to nodes (see `Weight`), (m,)."""
+    return view.scene.importance[view.ids]
 
 
 def require_costs(scene: Scene, policy: str) -> CostModel:

@@ -10,7 +10,7 @@ from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.knapsack import affordable, hull_increments, take_increments
 from ..models.scene import Scene
 from ..models.smooth_choice import SmoothChoice
-from .choices import LevelChoices, Offer
+from .choices import LevelChoices, Offer, importance
 from .claims import Claims
 from .protocol import Capabilities, Truth
 from .selection import Selection
@@ -66,7 +66,7 @@ class Oracle:
         """Return the optimal selection within the budget."""
         if self._truth is None or self._choices is None:
             raise InputError("oracle: expected to be told the truth first; call foresee")
-        offer = self._choices.offer(view, _importance)
+        offer = self._choices.offer(view, importance)
         if not len(offer.objects):
             return Selection(view.ids, np.zeros(0), predicted_ms=offer.fixed_ms)
         budget_ms = self._budget_ms / self._truth.gpu_factor - offer.fixed_ms
@@ -110,7 +110,3 @@ def exact_choice(offer: Offer, budget_ms: float, known: IntArray) -> IntArray:
 def smooth_choice(offer: Offer, soft: BoolArray) -> SmoothChoice:
     """Return the choice of levels and, for the `soft` rows, resolutions that an offer leaves."""
     return SmoothChoice(offer.cost_ms, offer.benefit, offer.samples, offer.size, soft)
-
-
-def _importance(view: View) -> FloatArray:
-    return view.scene.importance[view.ids]

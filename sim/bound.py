@@ -2,11 +2,10 @@
 
 import math
 
-from ..models.arrays import FloatArray
 from ..models.cost import CostModel
 from ..models.knapsack import hull_increments, relaxed_bound
 from ..models.scene import Scene
-from ..policies.choices import LevelChoices
+from ..policies.choices import LevelChoices, importance
 from ..policies.oracle import smooth_choice
 from ..policies.view import View
 
@@ -29,7 +28,7 @@ class BenefitBound:
         """Return the bound for a frame of this noise-free GPU time, NaN if it is not computed."""
         if self._choices is None or view.frame % self._every:
             return math.nan
-        offer = self._choices.offer(view, _importance)
+        offer = self._choices.offer(view, importance)
         if not len(offer.objects):
             return 0.0
         # What the frame cost includes rounding: a bound must not fall below the frame itself.
@@ -38,7 +37,3 @@ class BenefitBound:
         if soft.any():
             return smooth_choice(offer, soft).within(budget_ms)[1]
         return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), budget_ms)
-
-
-def _importance(view: View) -> FloatArray:
-    return view.scene.importance[view.ids]

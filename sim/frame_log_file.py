@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 
 from ..errors import InputError
+from ..traces.whole_file import whole_file
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 
 __all__ = ["read_frame_log", "write_frame_log"]
@@ -23,13 +24,8 @@ def write_frame_log(path: str | Path, log: FrameLog) -> None:
     columns = {name: log[name] for name in (*TIMES, *COUNTS)}
     metadata = {b"schema": _SCHEMA, b"header": msgspec.json.encode(log.header)}
     table = pa.table(columns, metadata=metadata)
-    target = Path(path)
-    partial = target.with_name(target.name + ".partial")
-    try:
+    with whole_file(Path(path)) as partial:
         pq.write_table(table, partial, compression="zstd")
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def read_frame_log(path: str | Path) -> FrameLog:

@@ -1,6 +1,5 @@
 """The stored baseline: what relative limits are held against, as one JSON file to commit."""
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...models.arrays import FloatArray
+from ...traces.whole_file import whole_file
 from .limits import Limits
 from .measure import Conditions, Measured
 
@@ -80,13 +80,9 @@ def make_baseline(conditions: Conditions, measured: Iterable[Measured], limits: 
 def write_baseline(path: Path, baseline: Baseline) -> None:
     """Write a baseline, all of it or nothing; the same baseline gives the same bytes."""
     text = msgspec.json.format(msgspec.json.encode(baseline, order="sorted"), indent=1) + b"\n"
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     path.parent.mkdir(parents=True, exist_ok=True)
-    try:
+    with whole_file(path) as partial:
         partial.write_bytes(text)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def read_baseline(path: Path, conditions: Conditions) -> Baseline:

@@ -1,10 +1,10 @@
 """A report as JUnit XML, which CI services show as tests: a suite a run, a case a limit."""
 
-import os
 from itertools import groupby
 from pathlib import Path
 from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 
+from ...traces.whole_file import whole_file
 from .report import Report
 from .text import describe, explain
 from .verdict import Verdict
@@ -19,14 +19,9 @@ def write_junit(path: Path, report: Report) -> None:
         _add_suite(root, f"{scene}.{trace}.{policy}", list(verdicts), report)
     indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as file:
-            ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
-            file.write(b"\n")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_file(path) as partial, partial.open("wb") as file:
+        ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+        file.write(b"\n")
 
 
 def _suite(verdict: Verdict) -> tuple[str, str, str]:
