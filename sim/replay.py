@@ -11,21 +11,21 @@ from ..models.arrays import BoolArray, FloatArray
 from ..models.camera import Camera
 from ..models.frustum import Culler
 from ..models.hardware import HardwareProfile
-from ..models.predictors import LEVEL_PREDICTORS
 from ..models.scene import Scene
 from ..models.tree import Tree
 from ..policies.protocol import Oracle, Policy, Truth
 from ..policies.selection import Selection, find_violation
 from ..policies.view import FrameState, View
 from ..traces.camera import CameraTrace
-from .accounting import Accounting, Tally
+from .accounting import Accounting
 from .bound import BenefitBound
-from .extraction import Extraction, IndexSets
+from .extraction import IndexSets
 from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from .fronts import Fronts
 from .loader import find_not_resident, make_memory
-from .measure import FrameNoise, FrameTimer
+from .machine import Machine, SimulatedMachine, Submitted
+from .measure import FrameTimer
 from .pipeline import Pipeline
 from .quality import FlatQuality, TreeQuality, screen_errors
 
@@ -35,7 +35,6 @@ _NS_PER_MS = 1e6
 _MAX_FRAMES = 10_000_000
 _PACE_FRAMES = 10_000
 _LEAST_FRAME_NS = 1_000  # a million frames a second: no machine, but a profile without a base cost
-_DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,18 +104,19 @@ def replay(
     options: ReplayOptions,
     *,
     name: str,
+    machine: Machine | None = None,
 ) -> FrameLog:
     """Replay `trace` through `scene` on `hardware` under `policy`; return its frame log.
 
     The replay ends with the trace or after `options.frames` frames.  The same arguments give the
-    same bytes.
+    same bytes, unless a `machine` that measures stands in for the simulated one.
 
     Raises
     ------
     PolicyError
         If the policy raises or a selection breaks its contract.
     """
-    source = _Source(policy, scene, trace, hardware, options, name)
+    source = _Source(policy, scene, trace, hardware, options, name, machine)
     pipeline = Pipeline(source, hardware.display, hardware.frames_in_flight)
     source.attach(pipeline)
     pipeline.run()
@@ -134,6 +134,7 @@ class _Source:
         hardware: HardwareProfile,
         options: ReplayOptions,
         name: str,
+        machine: Machine | None,
     ) -> None:
         self._policy, self._name = policy, name
         self._oracle = policy if isinstance(policy, Oracle) and policy.capabilities.future else None
@@ -145,7 +146,6 @@ class _Source:
         self._rest_m.flags.writeable = False
         self._culler = Culler(scene.radius_m, scene.cells)
         truth, scatter = hardware.truth(options.draw)
-        self._truth = truth
         crossfade_ns = round(options.crossfade_ms * _NS_PER_MS)
         self._accounting = Accounting(scene, truth, crossfade_ns, self._camera(0.0))
         self._tree = None if scene.flat else Tree(scene)
@@ -157,14 +157,12 @@ class _Source:
         every = 1 if policy.capabilities.future else options.bound_every
         self._bound = BenefitBound(self._scene, truth, every)
         self._index_sets = IndexSets(scene)
-        self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
         streaming = policy.capabilities.loader and not scene.flat
         self._bound_bytes = options.memory_bytes or hardware.memory_bytes
         self._memory = make_memory(scene, hardware, self._bound_bytes, streaming=streaming)
         self._loaded_bytes = 0
         gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
-        self._gpu_noise = FrameNoise(scatter.factors, gpu)
-        self._cpu_noise = FrameNoise(hardware.cpu_residual.factors, cpu)
+        self._machine = machine or SimulatedMachine(hardware, truth, scatter, (gpu, cpu))
         self._timer = FrameTimer(options.faults, options.measurement_delay, dice)
         self._counts = array("d")
         self._previous: Selection | None = None
@@ -212,11 +210,10 @@ class _Source:
         if self._tree is not None:
             roots = self._scene.roots
             view = view.at(roots[self._culler.inside[roots]])
-        gpu_factor = self._gpu_noise.next()
-        selection = self._select(view, Truth(self._truth, gpu_factor))
+        selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, camera
         self._previous_s, self._previous_centers_m = time_s, centers_m
-        costs_ns = self._record(view, selection, gpu_factor)
+        costs_ns = self._record(view, selection)
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
 
@@ -252,9 +249,9 @@ class _Source:
         centers_m[:, motion.node] += motion.offset_m(time_s).T
         return centers_m
 
-    def _select(self, view: View, truth: Truth) -> Selection:
+    def _select(self, view: View, truth: Truth | None) -> Selection:
         try:
-            if self._oracle is not None:
+            if self._oracle is not None and truth is not None:
                 self._oracle.foresee(truth)
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
@@ -265,7 +262,7 @@ class _Source:
             raise PolicyError(self._name, view.frame, violation)
         return selection
 
-    def _record(self, view: View, selection: Selection, gpu_factor: float) -> tuple[int, int]:
+    def _record(self, view: View, selection: Selection) -> tuple[int, int]:
         accounting = self._accounting
         if self._tree is not None:
             selection = _culled(selection, self._culler.inside)
@@ -282,9 +279,7 @@ class _Source:
             extraction = self._index_sets.record(selection, drawn)
         except ValueError as error:
             raise PolicyError(self._name, view.frame, str(error)) from error
-        select_ms, cpu_ms = self._cpu_ms(selection, tally, extraction)
-        cpu_ms *= self._cpu_noise.next()
-        gpu_ms = tally.gpu_ms * gpu_factor
+        times = self._machine.run(Submitted(view, selection, drawn, tally, extraction))
         work, position = selection.work, view.camera.position_m
         loaded_bytes = self._memory.loaded_bytes - self._loaded_bytes
         self._loaded_bytes = self._memory.loaded_bytes
@@ -300,9 +295,9 @@ class _Source:
                 accounting.full_gpu_ms(units),
                 tally.gpu_ms,
                 selection.predicted_ms,
-                cpu_ms,
-                gpu_ms,
-                select_ms,
+                times.cpu_ms,
+                times.gpu_ms,
+                times.select_ms,
                 work.objects_visited,
                 work.comparisons,
                 work.iterations,
@@ -325,25 +320,8 @@ class _Source:
                 *position,
             )
         )
-        return max(1, round(cpu_ms * _NS_PER_MS)), max(1, round(gpu_ms * _NS_PER_MS))
-
-    def _cpu_ms(
-        self, selection: Selection, tally: Tally, extraction: Extraction
-    ) -> tuple[float, float]:
-        """Return the policy's share and the whole of the frame's noise-free CPU time."""
-        work, cpu = selection.work, self._hardware.cpu
-        units = (
-            work.objects_visited,
-            work.comparisons,
-            work.iterations,
-            extraction.levels,
-            extraction.triangles,
-            extraction.borrowed,
-            float(tally.level_counts[_DRAW_CALLS]),
-            len(self._scene),
-        )
-        terms = [ms * unit for ms, unit in zip(self._cpu_unit_ms, units, strict=True)]
-        return sum(terms[:3]), cpu.base_ms + sum(terms)
+        cpu_ns, gpu_ns = round(times.cpu_ms * _NS_PER_MS), round(times.gpu_ms * _NS_PER_MS)
+        return max(1, cpu_ns), max(1, gpu_ns)
 
     def log(self, pipeline: Pipeline) -> FrameLog:
         """Return the log of the finished replay."""
