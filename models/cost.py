@@ -2,6 +2,11 @@
 
 ``ms = base + Σ linear · x + Σ_objects max(geometry · x, pixel · x)``, the second sum over objects
 being Gobbetti-Bouvier's and Funkhouser-Séquin's ``max(T_tri · triangles, T_pix · pixels)``.
+
+One linear predictor, ``rasterized_triangles``, is a function of the level and the view.  A triangle
+that covers no sample is dropped after its vertices are transformed, and costs a fraction of one
+that is set up and filled.  If an object's samples fall on its triangles at random, of T triangles
+``T · (1 - exp(-samples / T))`` receive one, samples being `DISC_SHARE` of the projected area.
 """
 
 from collections.abc import Mapping
@@ -12,9 +17,20 @@ import numpy as np
 from ..errors import InputError
 from .arrays import FloatArray, frozen_array, require_finite
 from .levels import LevelTable
-from .predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS, SHADED_SAMPLES
+from .predictors import (
+    CPU_PREDICTORS,
+    GPU_PREDICTORS,
+    LEVEL_PREDICTORS,
+    RASTERIZED_TRIANGLES,
+    SHADED_SAMPLES,
+)
 
-__all__ = ["CostModel", "CpuCostModel"]
+__all__ = ["DISC_SHARE", "CostModel", "CpuCostModel", "rasterized_triangles"]
+
+DISC_SHARE = 0.4
+"""Share of a bounding sphere's disc that a mesh covers; hulls of eight cover 0.32 to 0.46."""
+
+_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 
 
 def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> FloatArray:
@@ -24,6 +40,17 @@ def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> F
     array = frozen_array([given.get(name, 0.0) for name in names], np.float64, (len(names),), label)
     require_finite(array, label, low=0.0)
     return array
+
+
+def rasterized_triangles(triangles: FloatArray, area_px: FloatArray) -> FloatArray:
+    """Return how many of an object's triangles should reach a sample, at most all of them."""
+    per_triangle = np.divide(
+        DISC_SHARE * area_px,
+        triangles,
+        out=np.zeros(np.broadcast_shapes(triangles.shape, area_px.shape)),
+        where=triangles > 0.0,
+    )
+    return triangles * -np.expm1(-per_triangle)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +66,15 @@ class CostModel:
     roofline_ms : (P,) float64
         Milliseconds per unit of the roofline term; ``shaded_samples`` is its pixel side, every
         level predictor its geometry side.
+    has_roofline, rasterized_ms : derived
+        Whether any of these is positive; milliseconds per triangle that reaches a sample.
     """
 
     base_ms: float
     linear_ms: FloatArray
     roofline_ms: FloatArray
     has_roofline: bool = field(init=False)
+    rasterized_ms: float = field(init=False)
 
     def __post_init__(self) -> None:
         size = (len(GPU_PREDICTORS),)
@@ -56,6 +86,7 @@ class CostModel:
         if not (np.isfinite(self.base_ms) and self.base_ms >= 0.0):
             raise InputError(f"base: expected milliseconds >= 0, got {self.base_ms}")
         put(self, "has_roofline", bool(self.roofline_ms.any()))
+        put(self, "rasterized_ms", float(self.linear_ms[RASTERIZED_TRIANGLES]))
 
     @classmethod
     def of(
@@ -78,20 +109,29 @@ class CostModel:
         )
 
     def level_ms(self, levels: LevelTable) -> tuple[FloatArray, FloatArray]:
-        """Return linear and roofline geometry cost of each level, whatever the view, both (L,)."""
+        """Return what the levels contribute to `object_ms`: milliseconds, and geometry.
+
+        The first, (L,), is linear cost whatever the view.  The second, (L, 2), is what meets the
+        pixels: milliseconds of the roofline, and triangles.
+        """
         count = len(LEVEL_PREDICTORS)
-        return (
-            levels.counts @ self.linear_ms[:count],
-            levels.counts @ self.roofline_ms[:count],
+        geometry = np.column_stack(
+            (levels.counts @ self.roofline_ms[:count], levels.counts[:, _TRIANGLES])
         )
+        return levels.counts @ self.linear_ms[:count], geometry
 
     def object_ms(
         self, linear: FloatArray, geometry: FloatArray, area_px: FloatArray
     ) -> FloatArray:
-        """Return the marginal cost of objects from their level costs and projected areas, (m,)."""
+        """Return the marginal cost of objects from their level costs and projected areas, (m,).
+
+        `linear` is (m,) and `geometry` (m, 2), rows of what `level_ms` returns.
+        """
         cost = linear + self.linear_ms[SHADED_SAMPLES] * area_px
         if self.has_roofline:
-            cost = cost + np.maximum(geometry, self.roofline_ms[SHADED_SAMPLES] * area_px)
+            cost = cost + np.maximum(geometry[..., 0], self.roofline_ms[SHADED_SAMPLES] * area_px)
+        if self.rasterized_ms:
+            cost = cost + self.rasterized_ms * rasterized_triangles(geometry[..., 1], area_px)
         return cost
 
 

@@ -15,6 +15,7 @@ ABOUT = {
     "atlas": "1,092 parts of a detector from 0.1 to 25 m, 3.7 million triangles, continuous",
     "city": "114 walls of blocks as trees of 2,298 nodes, 8.95 million triangles",
     "crowd-1024": "characters of 2,620 triangles, skinned; any number from crowd-32 to crowd-32768",
+    "market": "1,500 pieces of furniture in the open, of 76 to 1,824 triangles",
     "ogres": "3,000 ogres of 1,960 triangles, continuous to 10 %",
     "ogres-trees": "the same with 100 trees of 97,133 triangles, continuous to 10 %",
     "plaza": "3,000 rocks, people, houses and trees; made in a few seconds, never cached",
@@ -35,6 +36,7 @@ def find_builder(name: str) -> Build | None:
     makers: dict[str, Build] = {
         "atlas": _atlas,
         "city": _city,
+        "market": _market,
         "ogres": _ogres,
         "ogres-trees": _ogres_trees,
         "plaza": _plaza,
@@ -60,6 +62,12 @@ def _crowd(count: int) -> tuple[Scene, Geometry]:
     from .scenes.crowd import build_crowd
 
     return build_crowd(count)
+
+
+def _market() -> tuple[Scene, Geometry]:
+    from .scenes.market import build_market
+
+    return build_market()
 
 
 def _ogres() -> tuple[Scene, Geometry]:

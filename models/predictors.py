@@ -1,9 +1,9 @@
 """What a cost model may count, named after what engines log.
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
-``texture_bytes``), or depends on the view (``shaded_samples``), or on the frame as a whole
-(``framebuffer_pixels``, ``state_changes``).  The column order is the order of every coefficient
-vector in the package.
+``texture_bytes``), or depends on the view (``shaded_samples``, ``rasterized_triangles``), or on the
+frame as a whole (``framebuffer_pixels``, ``state_changes``).  The column order is that of every
+coefficient vector in the package.
 """
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "FRAMEBUFFER_PIXELS",
     "GPU_PREDICTORS",
     "LEVEL_PREDICTORS",
+    "RASTERIZED_TRIANGLES",
     "SHADED_SAMPLES",
     "STATE_CHANGES",
 ]
@@ -29,11 +30,13 @@ LEVEL_PREDICTORS = (
 GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
+    "rasterized_triangles",  # of those drawn, how many should reach a sample; see `models.cost`
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
 )
 
 SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
+RASTERIZED_TRIANGLES = GPU_PREDICTORS.index("rasterized_triangles")
 FRAMEBUFFER_PIXELS = GPU_PREDICTORS.index("framebuffer_pixels")
 STATE_CHANGES = GPU_PREDICTORS.index("state_changes")
 

@@ -4,7 +4,8 @@ Between two knots of a level table every count is linear in the resolution r, so
 makes of a type ``linear(r) + max(geometry(r), pixel side)``.  Where the costs of all knots lie on
 a line, as with one draw call and so much a triangle, fixed and proportional parts are exact; where
 they do not (vertices that fall slower than triangles), the lowest line of the chord's slope that is
-nowhere below them stands for them, so that what is predicted from it is never too little.
+nowhere below them stands for them, so that what is predicted from it is never too little.  The cost
+of rasterized triangles is concave in r, and a tangent stands for it.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.arrays import FloatArray, IntArray
+from ..models.cost import DISC_SHARE
 from ..models.levels import LevelTable
 from ..models.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
 from ..models.scene import Scene
@@ -80,8 +82,10 @@ class ResolutionCosts:
         self._costs = scene.costs
         self._linear, self._geometry = scene.costs.level_ms(levels)
         self._linear_line = _line_above(levels, self._linear)
-        self._geometry_line = _line_above(levels, self._geometry)
+        self._geometry_line = _line_above(levels, self._geometry[:, 0])
+        self._full = self._geometry[levels.start[:-1], 1]
         self._exact = self._linear_line.exact and self._geometry_line.exact
+        self._exact &= scene.costs.rasterized_ms == 0.0
         self._low = np.maximum(levels.min_resolution, _LEAST_RESOLUTION)
 
     def frame_ms(self, view: View) -> float:
@@ -121,10 +125,28 @@ class ResolutionCosts:
         bent = kink < 1.0
         hidden = np.where(bent, under, np.maximum(under, pixel_ms))
         hidden += float(costs.linear_ms[SHADED_SAMPLES]) * view.area_px
-        cost = slow + np.where(bent, fast, 0.0)
         bottom = self.lowest(view)
+        if costs.rasterized_ms:
+            start, rise = self._tangent(view, bottom)
+            hidden, slow = hidden + start, slow + rise
+        cost = slow + np.where(bent, fast, 0.0)
         low = np.where(bent, np.maximum(kink, bottom), np.where(cost > 0.0, bottom, 1.0))
         return self._linear_line.start[kind] + hidden, slow, cost, low
+
+    def _tangent(self, view: View, bottom: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return start and slope of a line above the cost of rasterized triangles, both (m,).
+
+        Their number is concave in the resolution, so that every tangent lies above it.  This one
+        touches where a triangle is as large as a sample.
+        """
+        triangles, samples = self._full[view.type_index], DISC_SHARE * view.area_px
+        at = np.clip(samples / np.maximum(triangles, 1.0), bottom, 1.0)
+        share = samples / np.maximum(at * triangles, 1e-9)
+        reached = -np.expm1(-share)
+        slope = triangles * (reached - share * np.exp(-share))
+        start = at * (triangles * reached - slope)
+        ms = self._costs.rasterized_ms
+        return ms * start, ms * slope
 
     def predict_ms(self, view: View, detail: FloatArray) -> float:
         """Return the frame's GPU time with the candidates at these details, exactly."""

@@ -67,7 +67,7 @@ class TimeLoops:
         if scene.costs is not None:
             linear, geometry = scene.costs.level_ms(scene.types.levels)
             finest = scene.types.levels.start[:-1][scene.type_index]
-            known_ms = float((linear + geometry)[finest].sum())
+            known_ms = float((linear + geometry[:, 0])[finest].sum())
             self._overhead_ms = scene.costs.base_ms
             self._pixel_ms = float(scene.costs.linear_ms[FRAMEBUFFER_PIXELS])
             if known_ms > 0.0:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..models.arrays import FloatArray
 from ..models.camera import Camera
-from ..models.cost import CostModel
+from ..models.cost import CostModel, rasterized_triangles
 from ..models.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
 from ..models.scene import Scene
 from ..policies.selection import Selection
@@ -20,10 +20,11 @@ __all__ = ["Accounting", "Tally"]
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """Counts of one frame: level predictors in order, then samples and state changes, and time."""
+    """Counts of one frame: level predictors in order, then those of the view, and its time."""
 
     level_counts: FloatArray
     shaded_samples: float
+    rasterized_triangles: float
     state_changes: int
     gpu_ms: float
     fading: int
@@ -37,7 +38,7 @@ class Accounting:
         self._scene, self._levels, self._costs = scene, levels, costs
         self._any_continuous = bool(levels.continuous.any())
         self._finest = levels.start[:-1].astype(np.int64)
-        self._level_ms, self._geometry_ms = costs.level_ms(levels)
+        self._level_ms, self._geometry = costs.level_ms(levels)
         self.viewport_px = float(camera.viewport_px)
         linear: list[float] = costs.linear_ms.tolist()
         self._sample_ms, self._change_ms = linear[SHADED_SAMPLES], linear[STATE_CHANGES]
@@ -65,7 +66,7 @@ class Accounting:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
         row, area_px = self._finest.take(view.type_index), view.area_px
         samples = float(area_px.sum())
-        return self._price(self._times_drawn(row, None), row, None, area_px, samples, 1.0)[1]
+        return self._price(self._times_drawn(row, None), row, None, area_px, samples, 1.0)[2]
 
     def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included.
@@ -83,10 +84,12 @@ class Accounting:
         if pixel_share != 1.0:
             area_px = pixel_share * area_px
         times_drawn, samples = self._times_drawn(row, fraction), float(area_px.sum())
-        changes, ms = self._price(times_drawn, row, fraction, area_px, samples, pixel_share)
+        changes, reached, ms = self._price(
+            times_drawn, row, fraction, area_px, samples, pixel_share
+        )
         # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
         counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
-        return Tally(counts, samples, changes, ms, len(at))
+        return Tally(counts, samples, reached, changes, ms, len(at))
 
     def _price(
         self,
@@ -96,20 +99,21 @@ class Accounting:
         area_px: FloatArray,
         samples: float,
         pixel_share: float,
-    ) -> tuple[int, float]:
-        """Return state changes and milliseconds."""
+    ) -> tuple[int, float, float]:
+        """Return state changes, triangles that reach a sample, and milliseconds."""
         costs = self._costs
         changes = int(np.count_nonzero(np.add.reduceat(times_drawn, self._finest)))
         ms = costs.base_ms + float((times_drawn * self._level_ms).sum())
         ms += samples * self._sample_ms + pixel_share * self._framebuffer_ms
         ms += changes * self._change_ms
+        geometry = self._geometry.take(row, axis=0)
+        if fraction is not None:
+            geometry = self._levels.interpolate(self._geometry, row, fraction)
         if costs.has_roofline:
-            geometry = self._geometry_ms.take(row)
-            if fraction is not None:
-                geometry = self._levels.interpolate(self._geometry_ms, row, fraction)
             pixels = area_px * costs.roofline_ms[SHADED_SAMPLES]
-            ms += float(np.maximum(geometry, pixels).sum())
-        return changes, ms
+            ms += float(np.maximum(geometry[:, 0], pixels).sum())
+        reached = float(rasterized_triangles(geometry[:, 1], area_px).sum())
+        return changes, reached, ms + reached * costs.rasterized_ms
 
     def _times_drawn(self, row: NDArray[np.int64], fraction: FloatArray | None) -> FloatArray:
         """Return how many times each level is drawn, shared between the two about a resolution."""

@@ -28,6 +28,7 @@ TIMES = (
 COUNTS = (
     *LEVEL_PREDICTORS,  # of everything drawn, cross-fades included
     "shaded_samples",
+    "rasterized_triangles",
     "state_changes",
     "visible",  # objects, or leaves of a tree, in the frustum
     "drawn",  # nodes drawn

@@ -287,6 +287,7 @@ class _Source:
         self._counts.extend(
             (
                 tally.shaded_samples,
+                tally.rasterized_triangles,
                 tally.state_changes,
                 len(units.ids),
                 len(drawn.ids),

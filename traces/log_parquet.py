@@ -15,7 +15,7 @@ from .log_build import build_log
 from .log_csv import header_pairs
 from .renderlog import RenderLog
 
-__all__ = ["MAGIC", "read_parquet_log"]
+__all__ = ["HEADER_KEY", "MAGIC", "read_parquet_log"]
 
 MAGIC = b"PAR1"
 HEADER_KEY = b"lodbench.header"

@@ -42,6 +42,7 @@ GPU_COUNTS = (
     "splats",
     "texture_bytes",
     "shaded_samples",
+    "rasterized_triangles",
     "framebuffer_pixels",
     "state_changes",
 )

@@ -1,17 +1,15 @@
 """One frame of a replay: the camera, and what a policy draws in it."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 from ...errors import InputError
 from ...models.arrays import FloatArray, IntArray
 from ...models.camera import Camera
 from ...models.hardware import HardwareProfile
 from ...models.scene import Scene
-from ...policies.protocol import Capabilities, Oracle, Policy, Truth, why_not_applicable
+from ...policies.protocol import why_not_applicable
 from ...policies.registry import PolicySpec
-from ...policies.selection import Selection
-from ...policies.view import View
+from ...policies.watched import watch
 from ...sim.replay import ReplayOptions, replay
 from ...traces.camera import CameraTrace
 
@@ -65,7 +63,7 @@ def take_snapshot(
     reason = why_not_applicable(policy.capabilities, scene)
     if reason is not None:
         raise InputError(f"{spec.text}: expected a policy that fits the scene; {reason}")
-    watched = _watch(policy)
+    watched = watch(policy)
     replay(watched, scene, trace, hardware, replace(options, frames=frame + 1), name=spec.text)
     view, selection = watched.last
     assert view is not None
@@ -80,35 +78,3 @@ def take_snapshot(
         selection.detail[keep],
         view.state.centers_m,
     )
-
-
-class _Watched:
-    """A policy whose last view and selection are kept."""
-
-    capabilities: ClassVar[Capabilities] = Capabilities()  # replaced by those of the policy
-
-    def __init__(self, policy: Policy) -> None:
-        self._policy = policy
-        self.last: tuple[View | None, Selection | None] = (None, None)
-
-    def reset(self, scene: Scene, budget_ms: float) -> None:
-        """Reset the policy."""
-        self._policy.reset(scene, budget_ms)
-
-    def select(self, view: View) -> Selection:
-        """Let the policy select, and keep both sides."""
-        selection = self._policy.select(view)
-        self.last = (view, selection)
-        return selection
-
-    def foresee(self, truth: Truth) -> None:
-        """Hand on the truth, which the replay tells oracles only."""
-        assert isinstance(self._policy, Oracle)
-        self._policy.foresee(truth)
-
-
-def _watch(policy: Policy) -> _Watched:
-    """Return the policy watched, with its capabilities, as the replay reads them of the class."""
-    watched = type("Watched", (_Watched,), {"capabilities": policy.capabilities})(policy)
-    assert isinstance(watched, _Watched)
-    return watched

@@ -1,0 +1,1 @@
+"""Frames drawn with OpenGL, and how long they took."""

@@ -1,0 +1,60 @@
+"""Write a render log as `log_csv` and `log_parquet` read it: columns, and a line about them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .log_parquet import HEADER_KEY
+from .whole_file import whole_file, whole_text_file
+
+__all__ = ["check_log_path", "write_log"]
+
+_SUFFIXES = (".parquet", ".csv")
+
+
+def check_log_path(path: Path) -> None:
+    """Raise InputError unless the path is one that `write_log` can write to."""
+    if path.suffix not in _SUFFIXES or path.is_dir() or not path.absolute().parent.is_dir():
+        raise InputError(
+            f"expected a {' or '.join(_SUFFIXES)} file in a folder that exists; name such a path",
+            path=path,
+        )
+
+
+def write_log(path: Path, columns: Mapping[str, NDArray[Any]], header: Mapping[str, str]) -> None:
+    """Write columns of equal length, by the suffix as Parquet or CSV.
+
+    Parameters
+    ----------
+    header
+        What the columns are of, by name; semicolons in values become commas.
+
+    Raises
+    ------
+    InputError
+        If the path has another suffix, or cannot be written to.
+    """
+    check_log_path(path)
+    comment = "; ".join(f"{name}: {value.replace(';', ',')}" for name, value in header.items())
+    if path.suffix == ".parquet":
+        _write_parquet(path, columns, comment)
+        return
+    with whole_text_file(path) as file:
+        file.write(f"# {comment}\n{','.join(columns)}\n")
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+            file.write(",".join(f"{value:.10g}" for value in row) + "\n")
+
+
+def _write_parquet(path: Path, columns: Mapping[str, NDArray[Any]], comment: str) -> None:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    # Times to a nanosecond are no more than floats of half the size hold.
+    small = {name: np.asarray(values, dtype=np.float32) for name, values in columns.items()}
+    table = pa.table(small, metadata={HEADER_KEY: comment.encode()})
+    with whole_file(path) as partial:
+        parquet.write_table(table, partial, compression="zstd")
