@@ -50,6 +50,11 @@ COMMANDS = {
         "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto).",
     ),
     "fit": Command("fit", "fit", "Fit a cost model to measured render logs: a hardware profile."),
+    "record": Command(
+        "record",
+        "record",
+        "Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take.",
+    ),
     "stress": Command(
         "stress",
         "stress",

@@ -39,7 +39,7 @@ def write_log(path: Path, columns: Mapping[str, NDArray[Any]], header: Mapping[s
         If the path has another suffix, or cannot be written to.
     """
     check_log_path(path)
-    comment = "; ".join(f"{name}: {value.replace(';', ',')}" for name, value in header.items())
+    comment = "; ".join(f"{name}: {value}".replace(";", ",") for name, value in header.items())
     if path.suffix == ".parquet":
         _write_parquet(path, columns, comment)
         return

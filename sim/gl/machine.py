@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...models.tree import Tree
+from ...policies.view import View
 from ..machine import FrameTimes, Submitted
 from .context import Device
 from .frame import Counts, Frame, Picture
@@ -102,9 +104,14 @@ class GlMachine:
             return [self._renderer.draw(frame) for _ in range(count)]
 
 
-def picture_of(frame: Submitted) -> Picture:
-    """Return what a submitted frame shows: of continuous nodes, the nearest knot."""
+def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
+    """Return what a submitted frame shows: of continuous nodes, the nearest knot.
+
+    With `full` that is all candidates at their finest, at the full size of the picture.
+    """
     view, drawn = frame.view, frame.drawn
+    if full:
+        return _full_picture(view)
     row = drawn.row
     if drawn.fraction is not None:
         row = row + np.round(drawn.fraction).astype(np.int64)
@@ -119,6 +126,22 @@ def picture_of(frame: Submitted) -> Picture:
         seen.distance_m,
         view.time_ns * 1e-9,
         size,
+    )
+
+
+def _full_picture(view: View) -> Picture:
+    scene, camera = view.scene, view.camera
+    seen = view
+    if not scene.flat:
+        seen = view.at(np.flatnonzero(view.state.inside & Tree(scene).leaf).astype(np.int32))
+    return Picture(
+        camera,
+        view.state.centers_m,
+        seen.ids,
+        scene.types.levels.start[:-1][seen.type_index].astype(np.int64),
+        seen.distance_m,
+        view.time_ns * 1e-9,
+        (camera.width_px, camera.height_px),
     )
 
 

@@ -16,6 +16,7 @@ from ...policies.protocol import Policy, why_not_applicable
 from ...policies.watched import watch
 from ...traces.camera import CameraTrace
 from ..frame_log import FrameLog
+from ..machine import Machine
 from ..replay import ReplayOptions, replay
 from .context import Device
 from .machine import GlMachine
@@ -73,11 +74,12 @@ def record(
     trace: CameraTrace,
     hardware: HardwareProfile,
     options: ReplayOptions,
-    machine: GlMachine,
+    machine: Machine,
+    measuring: GlMachine,
     *,
     name: str,
 ) -> Recording:
-    """Replay `trace` on `machine` under `policy`.
+    """Replay `trace` on `machine`, in which `measuring` draws and measures, under `policy`.
 
     The policy sees the same `View` as in a simulated replay, and the measured times of the frames
     before.  Its own time is measured apart and is no part of the frame: what Python takes is not
@@ -104,11 +106,11 @@ def record(
         raise InputError(f"{name}: expected a policy that can be recorded; {reason}")
     watched = watch(policy)
     log = replay(watched, scene, trace, hardware, options, name=name, machine=machine)
-    columns = machine.rows()
+    columns = measuring.rows()
     columns = {"trace_s": log["input_ns"] * 1e-9} | columns
     columns |= {name: np.asarray(log[source]) for name, source in _FROM_LOG.items()}
     columns["policy_ms"] = np.array(watched.select_ms)
-    return Recording(log, columns, machine.doubt)
+    return Recording(log, columns, measuring.doubt)
 
 
 def header_of(device: Device, about: dict[str, str], doubt: str | None) -> dict[str, str]:

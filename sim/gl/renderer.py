@@ -99,11 +99,19 @@ class Renderer:
         self._target.show(picture)
         return Timing((submitted - start) * 1e-6, gpu_ms, (end - start) * 1e-6, samples)
 
-    def pixels(self, frame: Frame) -> NDArray[np.uint8]:
-        """Return what was drawn last at the frame's size, (height, width, 3), top row first."""
+    def picture(self, picture: Picture) -> NDArray[np.uint8]:
+        """Draw a picture and return its pixels at full size, (height, width, 3), top row first."""
+        from PIL import Image
+
+        frame = self.prepare(picture)
+        self.draw(frame)
         width, height = frame.size_px
         data = self._framebuffer(frame.size_px).read(components=3, alignment=1)
-        return np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3)[::-1]
+        pixels = np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3)[::-1]
+        full = (picture.camera.width_px, picture.camera.height_px)
+        if full == frame.size_px:
+            return pixels
+        return np.asarray(Image.fromarray(pixels).resize(full, Image.Resampling.BILINEAR))
 
     def _submit(self, frame: Frame, picture: "moderngl.Framebuffer") -> None:
         context, meshes = self._context, self._meshes

@@ -1,0 +1,66 @@
+"""A folder of pictures beside full detail, with a table that sets metrics against them."""
+
+import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import InputError
+from ..sim.gl.images import PictureFolder, require_images
+from .recording import Recorded
+
+__all__ = ["ImageFolder", "image_folder"]
+
+_TABLE = "images.csv"
+_METRICS = ("sse_px_p95", "sse_px_max", "popping_px", "triangles", "drawn")
+
+
+class ImageFolder(PictureFolder):
+    """Pictures that are being written, and their table."""
+
+    def write_table(self, recorded: Recorded) -> None:
+        """Write ``images.csv``: how each picture differs, and the metrics of its frame."""
+        frames = recorded.frames
+        lines = [f"frame,trace_s,ssim,difference,differing,benefit_share,{','.join(_METRICS)}"]
+        for picture in recorded.pictures:
+            at = picture.frame
+            full = float(frames["full_benefit"][at])
+            share = float(frames["benefit"][at]) / full if full > 0.0 else 1.0
+            numbers = (picture.trace_s, picture.ssim, picture.difference, picture.differing, share)
+            metrics = (float(frames[name][at]) for name in _METRICS)
+            lines.append(",".join([str(at), *(f"{value:.8g}" for value in (*numbers, *metrics))]))
+        (self.path / _TABLE).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+@contextmanager
+def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]:
+    """Yield a folder to write pictures to, and put it in place when all is written.
+
+    Raises
+    ------
+    InputError
+        If scikit-image is missing, or the folder holds anything but an earlier recording.
+    """
+    if path is None:
+        yield None
+        return
+    require_images()
+    if path.exists():
+        others = sorted(p.name for p in path.iterdir()) if path.is_dir() else [path.name]
+        others = [name for name in others if name != _TABLE and not name.startswith("frame-")]
+        if others or not path.is_dir():
+            raise InputError(
+                "expected a new folder or one that `lodbench record` wrote, got one that holds "
+                f"{others[0]}; name another",
+                path=path,
+            )
+    parent = path.absolute().parent
+    if not parent.is_dir():
+        raise InputError("expected a folder to write to, got none of that name", path=parent)
+    with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=parent) as scratch:
+        partial, before = Path(scratch) / "new", Path(scratch) / "old"
+        partial.mkdir()
+        yield ImageFolder(partial, every)
+        if path.exists():
+            path.rename(before)
+        partial.rename(path)
