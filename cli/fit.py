@@ -19,21 +19,28 @@ __all__ = ["fit"]
 
 def fit(
     logs: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
-    ],
+    ] = None,
     *,
+    bundled: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PROFILE",
+            help="Instead of LOG, what this bundled profile was fitted to, with its settings.",
+        ),
+    ] = None,
     target: Annotated[
         str | None,
         typer.Option(help="gpu_ms, cpu_ms or frame_ms; else gpu_ms, or frame_ms if that is unfit."),
     ] = None,
     terms: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="Predictors, as in draw_calls,triangles; also a*b and max(triangles,"
-            "shaded_samples).  auto: the set that predicts held-out frames best."
+            "shaded_samples).  auto, the default: the set that predicts held-out frames best."
         ),
-    ] = "auto",
+    ] = None,
     mapping: Annotated[
         str, typer.Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")
     ] = "",
@@ -97,6 +104,7 @@ def fit(
     from ..analysis.fit.sampler import SamplerOptions
     from ..models.profile_catalog import load_hardware
 
+    paths, terms, target = _asked(logs or [], bundled, terms, target)
     options = FitOptions(
         terms,
         _one_of("--model", model, ("student-t", "gaussian")),
@@ -105,7 +113,7 @@ def fit(
         SamplerOptions(walkers, steps, seed),
     )
     pairs = _pairs(mapping)
-    sources = [_source(name, pairs, log_format) for name in logs]
+    sources = [_source(path, pairs, log_format) for path in paths]
     time: TimeName = (
         target_of(sources[0].log)
         if target is None
@@ -118,7 +126,7 @@ def fit(
             sources,
             time,
             options,
-            transfer=[_source(name, pairs, log_format).log for name in predict or ()],
+            transfer=[_source(_path(name), pairs, log_format).log for name in predict or ()],
             resume=resume,
             progress=progress,
         )
@@ -140,6 +148,28 @@ def fit(
         write_plots(found.estimate.chain, plots)
 
 
+def _asked(
+    logs: list[str], bundled: str | None, terms: str | None, target: str | None
+) -> tuple[list[Path], str, str | None]:
+    """Return the files to fit, the terms and the target: those given, else the bundled ones."""
+    from ..analysis.fit.catalog import bundled_fit
+
+    if bool(logs) is (bundled is not None):
+        got = "both" if logs else "neither"
+        raise InputError(f"fit: expected LOG… or --bundled PROFILE, got {got}; give one")
+    if bundled is None:
+        return [_path(name) for name in logs], "auto" if terms is None else terms, target
+    found = bundled_fit(bundled)
+    terms = found.terms if terms is None else terms
+    return list(found.logs), terms, found.target if target is None else target
+
+
+def _path(name: str) -> Path:
+    from ..analysis.fit.catalog import bundled_log
+
+    return bundled_log(name) or Path(name)
+
+
 def _one_of(option: str, value: str, known: tuple[Any, ...]) -> Any:
     if value not in known:
         raise InputError(f"{option}: expected one of {', '.join(known)}, got {value}; name one")
@@ -155,14 +185,12 @@ def _pairs(text: str) -> dict[str, str]:
     return {name.strip(): column.strip() for name, _, column in pairs}
 
 
-def _source(name: str, pairs: dict[str, str], log_format: str | None) -> "Source":
+def _source(path: Path, pairs: dict[str, str], log_format: str | None) -> "Source":
     import hashlib
 
-    from ..analysis.fit.catalog import bundled_log
     from ..analysis.fit.fit import Source
     from ..traces.read_log import read_render_log
 
-    path = bundled_log(name) or Path(name)
     log = read_render_log(path, pairs or None, log_format)
     with path.open("rb") as file:
         return Source(log, hashlib.file_digest(file, "sha256").hexdigest())

@@ -99,7 +99,8 @@ class Provenance:
     """Where a profile's numbers come from.
 
     `assumed` is true where a cost was neither measured nor published; the word is then shown
-    wherever the profile is.
+    wherever the profile is.  `measured_on` names what was drawn as ``SCENE along TRACE``: frames on
+    which the profile must not be validated.
     """
 
     source: str
@@ -107,6 +108,7 @@ class Provenance:
     date: str = ""
     method: str = ""
     assumed: bool = False
+    measured_on: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -148,6 +148,8 @@ def _value(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, str):
         return _text(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_text, cast('tuple[str, ...]', value)))}]"
     return str(value) if isinstance(value, int) else _number(value)
 
 

@@ -11,9 +11,9 @@ from ...models.cost import CostModel, CpuCostModel
 from ...models.hardware import Display, HardwareProfile, Posterior, Provenance
 from ...models.predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
 from ...models.residual import Residual
-from ...traces.renderlog import TimeName
+from ...traces.renderlog import RenderLog, TimeName
 from .design import BASE, ROOFLINE
-from .fit import Fit
+from .fit import Fit, Source
 from .noise import residual_model
 from .record import relative_residuals
 from .terms import Term
@@ -21,6 +21,8 @@ from .terms import Term
 __all__ = ["profile_of", "require_for_profile"]
 
 _DRAWS = 64
+_MACHINE = ("renderer", "gpu", "driver", "processor")  # of a log's header
+_CALIBRATION = "calibration"  # policy in the header of what `lodbench record --calibrate` writes
 _DIGITS = 6  # fewer would blur the sum of coefficients that are only known together
 
 
@@ -106,10 +108,7 @@ def _posterior(fit: Fit, residual: Residual) -> Posterior:
 
 def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance:
     found, header = fit.estimate, dict(fit.sources[0].log.header)
-    files = [
-        source.log.name + (f" (sha256 {source.sha256[:12]})" if source.sha256 else "")
-        for source in fit.sources
-    ]
+    drawn = [what for source in fit.sources if (what := _measured_on(source.log))]
     rest = f"; the rest is that of {onto.name}" if onto else ""
     method = (
         f"emcee: posterior means of {fit.target} on {', '.join(map(str, found.terms))}, "
@@ -117,12 +116,28 @@ def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance
         f"{found.posterior.worth * len(found.sample):.0f} independent ones{rest}"
     )
     return Provenance(
-        source="; ".join(files),
-        renderer=header.get("renderer", header.get("gpu", "")),
+        source="; ".join(map(_described, fit.sources)),
+        renderer="; ".join(header[key] for key in _MACHINE if key in header),
         date=date or header.get("date", ""),
         method=method,
         assumed=onto is not None and onto.provenance.assumed,
+        measured_on=tuple(dict.fromkeys((*(onto.provenance.measured_on if onto else ()), *drawn))),
     )
+
+
+def _described(source: Source) -> str:
+    """Return the name of a log, the hash of its file, and what was drawn."""
+    digest = f" (sha256 {source.sha256[:12]})" if source.sha256 else ""
+    drawn = _measured_on(source.log)
+    policy = dict(source.log.header).get("policy")
+    what = _CALIBRATION if policy == _CALIBRATION else "replay"
+    return source.log.name + digest + (f", {what} of {drawn}" if drawn else "")
+
+
+def _measured_on(log: RenderLog) -> str:
+    """Return ``SCENE along TRACE``, or nothing if the log does not say both."""
+    header = dict(log.header)
+    return f"{header['scene']} along {header['trace']}" if {"scene", "trace"} <= set(header) else ""
 
 
 def _display(fit: Fit) -> Display:

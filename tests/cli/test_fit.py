@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from lodbench.cli.main import run
+from lodbench.models.profile_catalog import load_hardware
 from lodbench.models.profile_file import read_profile
 
 QUICK = ["--steps", "500", "--heldout", "none"]
@@ -118,6 +119,34 @@ def test_a_chain_is_kept_and_gone_on_with(log: Path, capsys: pytest.CaptureFixtu
     assert "chain.npz: expected a chain of this log" in capsys.readouterr().err
 
 
+BUNDLED = ["fit", "--bundled", "llvmpipe", *QUICK]
+
+
+def test_a_bundled_profile_is_fitted_again_with_its_own_settings(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Terms, target, log and file are those of the profile, without an option more."""
+    out = tmp_path / "llvmpipe.toml"
+    assert run([*BUNDLED, "--json", "--out", str(out)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    again, bundled = read_profile(out), load_hardware("llvmpipe")
+    assert record["target"] == "frame_ms"
+    assert again.name == bundled.name
+    assert again.provenance == bundled.provenance
+    assert (again.gpu.linear_ms > 0.0).tolist() == (bundled.gpu.linear_ms > 0.0).tolist()
+
+
+def test_settings_of_a_bundled_profile_give_way_to_given_ones(capsys: pytest.CaptureFixture[str]):
+    """Terms, target and columns that are asked for are fitted in their place."""
+    chosen = ["--terms", "vertices", "--target", "cpu_ms", "--map", "vertices=triangles"]
+    assert run([*BUNDLED, *chosen, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["target"], record["terms"]) == ("cpu_ms", ["vertices"])
+    assert run([*BUNDLED, "--terms", "triangles", "--target", "cpu_ms", "--json"]) == 0
+    unmapped = json.loads(capsys.readouterr().out)["coefficients"]["triangles"]["mean"]
+    assert record["coefficients"]["vertices"]["mean"] == unmapped
+
+
 def test_plots_are_written(log: Path):
     """Two pictures, if the extra is there."""
     pytest.importorskip("corner")
@@ -146,6 +175,9 @@ def test_plots_are_written(log: Path):
         ),
         (["walk.csv", "--onto", "nowhere"], "hardware: expected one of"),
         (["walk.csv", "--predict", "missing.csv"], "missing.csv: expected a file"),
+        ([], "fit: expected LOG… or --bundled PROFILE, got neither"),
+        (["walk.csv", "--bundled", "llvmpipe"], "LOG… or --bundled PROFILE, got both"),
+        (["--bundled", "llvmpip"], "fitted, llvmpipe, got llvmpip; did you mean llvmpipe?"),
     ],
 )
 def test_mistakes_are_one_line(

@@ -89,7 +89,13 @@ profiles = st.builds(
     HardwareProfile,
     name=st.text(),
     provenance=st.builds(
-        Provenance, st.text(), st.text(), st.text(), st.text(), assumed=st.booleans()
+        Provenance,
+        st.text(),
+        st.text(),
+        st.text(),
+        st.text(),
+        assumed=st.booleans(),
+        measured_on=st.lists(st.text(), max_size=3).map(tuple),
     ),
     gpu=st.builds(
         CostModel, amounts, coefficients(len(GPU_PREDICTORS)), coefficients(len(GPU_PREDICTORS))
@@ -195,6 +201,8 @@ def test_draws_come_with_their_covariance_and_deviation():
         ('name = "small"', "frames_in_flight = 9\nname = 'x'", None, "frames_in_flight"),
         ('source = "hand"', 'source = "hand"\nsource = "x"', 6, "expected TOML"),
         ('source = "hand"', "source = 3", 5, "provenance.source: expected str"),
+        ("[gpu]", 'measured_on = "plaza"\n[gpu]', 7, "provenance.measured_on: expected array"),
+        ("[gpu]", "measured_on = [7]\n[gpu]", 7, "provenance.measured_on: expected str, got int"),
     ],
 )
 def test_what_is_wrong_is_said_with_its_line(

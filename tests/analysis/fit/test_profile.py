@@ -66,6 +66,43 @@ def test_the_profile_holds_means_draws_and_where_they_come_from(gpu_fit: Fit):
     assert not profile.cpu.linear_ms.any()
 
 
+RECORDED = (
+    ("renderer", "card"),
+    ("driver", "4.5"),
+    ("processor", "chip, 2 cores"),
+    ("scene", "plaza"),
+    ("trace", "tour"),
+)
+
+
+def test_the_profile_says_on_what_machine_and_of_what_it_was_measured(make_sample: MakeSample):
+    """Scene and trace of a recorded log are kept, so that it is not validated on them."""
+    log = log_of(make_sample(frames=300))
+    calibration = dataclasses.replace(log, header=(*RECORDED, ("policy", "calibration")))
+    said = profile_of(fitted(calibration, "draw_calls,triangles"), "mine").provenance
+    assert said.renderer == "card; 4.5; chip, 2 cores"
+    assert said.source == "walk (sha256 ffffffffffff), calibration of plaza along tour"
+    assert said.measured_on == ("plaza along tour",)
+    replayed = dataclasses.replace(log, header=(*RECORDED, ("policy", "full")))
+    said = profile_of(fitted(replayed, "draw_calls,triangles"), "mine").provenance
+    assert said.source == "walk (sha256 ffffffffffff), replay of plaza along tour"
+
+
+def test_a_profile_of_parts_was_measured_on_what_each_part_was(
+    make_sample: MakeSample, gpu_fit: Fit
+):
+    """What the other half was measured on is kept, and each is named once."""
+    before = profile_of(gpu_fit, "before")
+    assert before.provenance.measured_on == ()
+    for_gpu = dataclasses.replace(
+        before.provenance, measured_on=("market along walk", "plaza along tour")
+    )
+    before = dataclasses.replace(before, provenance=for_gpu)
+    log = log_of(make_sample(frames=300), "cpu_ms", header=RECORDED)
+    both = profile_of(fitted(log, "draw_calls", "cpu_ms"), "both", onto=before)
+    assert both.provenance.measured_on == ("market along walk", "plaza along tour")
+
+
 def test_the_noise_of_the_profile_is_that_of_the_log(gpu_fit: Fit):
     """0.5 ms about a mean of some 14 ms; draws' scales lie around the profile's."""
     profile = profile_of(gpu_fit, "mine")

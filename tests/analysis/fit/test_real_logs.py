@@ -6,17 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.analysis.fit.catalog import bundled_log, list_logs
+from lodbench.analysis.fit.catalog import bundled_log
 from lodbench.analysis.fit.estimate import estimate
 from lodbench.analysis.fit.fit import FitOptions, Source, fit_logs
 from lodbench.analysis.fit.heldout import HeldOut, hold_out
-from lodbench.analysis.fit.profile import profile_of
 from lodbench.analysis.fit.sample import Sample, gather
 from lodbench.analysis.fit.sampler import SamplerOptions
 from lodbench.analysis.fit.table import THESIS
 from lodbench.analysis.fit.terms import parse_terms, predictors_of
-from lodbench.models.profile_catalog import load_hardware
-from lodbench.models.profile_writer import profile_toml
 from lodbench.traces.read_log import read_render_log
 from lodbench.traces.renderlog import RenderLog
 
@@ -87,29 +84,9 @@ def test_transfer_to_another_log_is_reported_with_its_reason(data_dir: Path):
     assert "coefficients are too uncertain" in found.reason
 
 
-@pytest.mark.slow
-@pytest.mark.realdata
-def test_the_bundled_profile_is_what_the_logs_give(data_dir: Path):
-    """Fitting the logs again gives the file in the package, draws and all."""
-    bundled = load_hardware("llvmpipe")
-    names = ("1thread-random", "1thread-distance")
-    options = FitOptions("draw_calls,triangles", heldout="none")
-    fit = fit_logs([Source(read(data_dir, name)) for name in names], "frame_ms", options)
-    again = profile_of(fit, "llvmpipe", date=bundled.provenance.date)
-    assert again.provenance.method == bundled.provenance.method
-    spread = fit.coefficients.std(axis=0)
-    assert abs(again.gpu.base_ms - bundled.gpu.base_ms) < 0.3 * spread[0]
-    used = np.flatnonzero(bundled.gpu.linear_ms)
-    assert np.abs((again.gpu.linear_ms - bundled.gpu.linear_ms)[used]) == pytest.approx(
-        np.zeros(2), abs=0.3 * spread[1]
-    )
-    assert len(profile_toml(again).splitlines()) == len(profile_toml(bundled).splitlines())
-
-
 @pytest.fixture(scope="module")
 def peng() -> Sample:
     """Return the nine rows of Peng's Table 1, which is bundled."""
-    assert list_logs() == ("peng2011",)
     path = bundled_log("peng2011")
     assert path is not None
     return gather([read_render_log(path)], ["triangles"], "gpu_ms", None)[0]
