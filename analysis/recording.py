@@ -27,7 +27,7 @@ __all__ = ["CALIBRATION", "RecordOptions", "Recorded", "Recorder", "open_recorde
 CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
 
-_CALIBRATION_FRAMES = 600
+_CALIBRATION_FRAMES = 1_200
 Progress = Callable[[int, int], None]
 
 
@@ -81,7 +81,7 @@ class Recorder:
     ) -> Recorded:
         """Record a policy, or the programme of calibration where there is none.
 
-        Calibration goes through the whole trace in even steps, 600 unless `options` says another
+        Calibration goes through the whole trace in even steps, 1,200 frames unless `options` says another
         number; a policy's replay takes as much of it as its frames last.
 
         Raises

@@ -60,6 +60,11 @@ COMMANDS = {
         "stress",
         "Search camera paths within speed and turn limits for one on which a policy does badly.",
     ),
+    "validate": Command(
+        "validate",
+        "validate",
+        "Hold simulated against measured: errors of frame times, metrics, and order of policies.",
+    ),
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
     "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),

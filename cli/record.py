@@ -60,7 +60,7 @@ def record(
     ] = None,
     frames: Annotated[
         int | None,
-        typer.Option(help="Frames; else as long as the trace lasts, or 600 to calibrate."),
+        typer.Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate."),
     ] = None,
     repeats: Annotated[
         int, typer.Option(help="Times that each frame is drawn; the median counts.")

@@ -11,9 +11,10 @@ from ..table import describe_run
 from . import charts, tables, tradeoffs
 from .palette import inks
 
-__all__ = ["render_report"]
+__all__ = ["chart_html", "page_style", "render_report"]
 
 _PAGE = Path(__file__).with_name("page.html")
+_STYLE = Path(__file__).with_name("page.css")
 _CONFIG = {"displayModeBar": False, "responsive": True}
 
 
@@ -34,6 +35,7 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
     draws = comparison.intervals.draws
     scored = bool(comparison.ok)
     return template.substitute(
+        style=page_style(),
         title=f"Which policy keeps {comparison.budget_ms:.4g} ms?",
         plotly=get_plotlyjs(),
         run=escape(describe_run(comparison)),
@@ -42,21 +44,26 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
         verdicts=tables.verdicts(comparison, ink),
         level=level,
         headline=tables.headline(comparison, ink),
-        time=_chart("time", charts.time_chart(comparison, logs, ink) if scored else None),
-        distribution=_chart(
+        time=chart_html("time", charts.time_chart(comparison, logs, ink) if scored else None),
+        distribution=chart_html(
             "distribution", charts.distribution_chart(comparison, logs, ink) if scored else None
         ),
         steps=_steps(comparison, logs, ink),
         front=_front(comparison),
-        pareto=_chart("pareto", tradeoffs.pareto_chart(comparison, ink) if scored else None),
+        pareto=chart_html("pareto", tradeoffs.pareto_chart(comparison, ink) if scored else None),
         drawn=f" over {draws} posterior draws of the cost model" if draws else "",
-        duels=_chart("duels", tradeoffs.duel_chart(comparison)),
+        duels=chart_html("duels", tradeoffs.duel_chart(comparison)),
         metrics=tables.metric_table(comparison, ink),
         provenance=tables.provenance(comparison),
     )
 
 
-def _chart(name: str, figure: Any) -> str:
+def page_style() -> str:
+    """Return the style sheet of all pages."""
+    return _STYLE.read_text(encoding="utf-8")
+
+
+def chart_html(name: str, figure: Any) -> str:
     """Return a chart as a part of the page, or say that there is nothing to draw."""
     if figure is None:
         return '<p class="dim">Nothing to draw in this run.</p>'
@@ -70,7 +77,7 @@ def _steps(comparison: Comparison, logs: dict[str, FrameLog], ink: dict[str, Any
     if figure is None:
         return "<p>The visible load of this trace has no such step.</p>"
     drawn = charts.largest_steps(comparison)
-    return _chart("steps", figure) + tables.step_table(comparison, ink, drawn)
+    return chart_html("steps", figure) + tables.step_table(comparison, ink, drawn)
 
 
 def _assumed(comparison: Comparison) -> str:

@@ -10,7 +10,16 @@ from ..metrics.steps import APART_NS, Step
 from ..table import ABSENT, HEADLINE, best_labels, format_value, unscored
 from .palette import Ink
 
-__all__ = ["failures", "headline", "metric_table", "provenance", "step_table", "verdicts"]
+__all__ = [
+    "facts_table",
+    "failures",
+    "headline",
+    "html_table",
+    "metric_table",
+    "provenance",
+    "step_table",
+    "verdicts",
+]
 
 _LEADERS = (
     ("Budget kept best", "over_budget_fraction"),
@@ -62,7 +71,7 @@ def headline(comparison: Comparison, ink: dict[str, Ink]) -> str:
             winner = ' class="best"' if policy.label in best[column.metric] else ""
             cells.append(f"<td{winner}>{text}{_interval(score, percent=column.percent)}</td>")
         rows.append(f"<tr>{''.join(cells)}</tr>")
-    return _table(f"<th>policy</th>{head}", rows)
+    return html_table(f"<th>policy</th>{head}", rows)
 
 
 def failures(comparison: Comparison) -> str:
@@ -98,7 +107,7 @@ def step_table(comparison: Comparison, ink: dict[str, Ink], drawn: list[Step]) -
             f"<small>{bound}{format_value(settle.value)} ms</small></td>"
         )
         rows.append(f"<tr>{''.join(cells)}</tr>")
-    return _table(f"<th>overshoot, settling</th>{heads}<th>mean of all</th>", rows)
+    return html_table(f"<th>overshoot, settling</th>{heads}<th>mean of all</th>", rows)
 
 
 def _answer(step: Step) -> str:
@@ -129,14 +138,18 @@ def metric_table(comparison: Comparison, ink: dict[str, Ink]) -> str:
             f'<tr class="text"><td colspan="99">{escape(metric.definition)} '
             f"<i>{metric.better} is better.  Source: {escape(metric.source)}</i></td></tr>"
         )
-    return _table(f"<th>metric</th><th>unit</th>{head}", rows)
+    return html_table(f"<th>metric</th><th>unit</th>{head}", rows)
 
 
 def provenance(comparison: Comparison) -> str:
     """Return where every number of the page comes from."""
+    return facts_table(_facts(comparison))
+
+
+def facts_table(facts: Iterable[tuple[str, str]]) -> str:
+    """Return pairs of a name and a text as a table."""
     rows = "".join(
-        f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>"
-        for key, value in _facts(comparison)
+        f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in facts
     )
     return f'<table class="facts"><tbody>{rows}</tbody></table>'
 
@@ -160,7 +173,8 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "made by", f"lodbench {__version__}"
 
 
-def _table(head: str, rows: Iterable[str]) -> str:
+def html_table(head: str, rows: Iterable[str]) -> str:
+    """Return a table that scrolls where it is too wide."""
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div>"

@@ -4,6 +4,10 @@ A policy's own frames hold few objects at fine levels or many at coarse ones, so
 together and a fit cannot tell their costs apart.  Here, block by block, levels are random, swing
 all together from fine to coarse and back, or go by size as in games; a random share of the objects
 is left out; and the picture is rendered at several sizes.
+
+Within a block frames follow one another as under a policy, the same objects at nearly the same
+levels: so what the model misses changes from frame to frame as it does there, and its correlation
+in a fit is that of real frames.
 """
 
 from typing import ClassVar
@@ -19,9 +23,9 @@ from ...policies.view import View
 
 __all__ = ["Calibration"]
 
-_BLOCK = 8  # frames
-_SWING = 16  # frames from fine to coarse
-_LEAST_SHARE = 6.0  # halvings of the share of objects that is drawn, at most
+_BLOCK = 12  # frames
+_SWING = 24  # frames from fine to coarse
+_LEAST_SHARE = 4.0  # halvings of the share of objects that is drawn, at most
 _RENDER_SCALES = (1.0, 1.0, 1.0, 0.75, 0.5)
 _KINDS = ("random", "swing", "size", "size")
 
@@ -43,6 +47,7 @@ class Calibration:
             )
         self._rng = np.random.default_rng(self._seed)
         self._levels = scene.types.levels
+        self._count = len(scene)
 
     def select(self, view: View) -> Selection:
         """Return the next frame of the programme."""
@@ -52,7 +57,8 @@ class Calibration:
             self._scale = _RENDER_SCALES[self._rng.integers(len(_RENDER_SCALES))]
             self._middle = self._rng.uniform()
             self._coarseness = 2.0 ** self._rng.uniform(-3.0, 5.0)
-        keep = np.flatnonzero(self._rng.uniform(size=len(view)) < self._share)
+            self._lot, self._offset = self._rng.uniform(size=(2, self._count))
+        keep = np.flatnonzero(self._lot[view.ids] < self._share)
         ids = view.ids[keep]
         levels, kind = self._levels, view.type_index[keep]
         last = levels.level_count[kind] - 1
@@ -65,7 +71,7 @@ class Calibration:
         """Return how coarse each candidate is drawn, 0 for finest to 1 for coarsest."""
         count = len(view)
         if self._kind == "random":
-            return self._middle + self._rng.uniform(-0.5, 0.5, count)
+            return self._middle + self._offset[view.ids] - 0.5
         if self._kind == "swing":
             turn = np.pi * (view.frame / _SWING + self._middle)
             return np.full(count, 0.5 - 0.5 * np.cos(turn))

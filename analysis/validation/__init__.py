@@ -1,0 +1,1 @@
+"""Simulated replays held against recorded ones."""

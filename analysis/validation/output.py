@@ -1,0 +1,127 @@
+"""The folder of a validation: what was recorded, what was simulated, and how they agree."""
+
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...sim.frame_log_file import read_frame_log, write_frame_log
+from ...traces.log_writer import write_log
+from ...traces.read_log import read_render_log
+from ..output import frame_log_names
+from ..recording import Recorded
+from .page import render_validation
+from .result import Validation, encode
+from .validate import Pair
+
+__all__ = ["check_folder", "read_recordings", "write_validation"]
+
+_RESULT, _REPORT = "validation.json", "report.html"
+_MEASURED, _RENDERED, _SIMULATED = "measured", "render", "simulated"
+_AGAIN = "again-"
+
+
+def check_folder(folder: Path) -> None:
+    """Raise InputError unless a folder is new, or holds nothing but an earlier validation."""
+    ours = {_RESULT, _REPORT, _MEASURED, _RENDERED, _SIMULATED}
+    if folder.exists():
+        names = {path.name for path in folder.iterdir()} if folder.is_dir() else {folder.name}
+        if not folder.is_dir() or names - ours:
+            raise InputError(
+                "expected a new folder or one that `lodbench validate` wrote, got one that holds "
+                f"{min(names - ours)}; name another",
+                path=folder,
+            )
+    if not folder.absolute().parent.is_dir():
+        message = "expected a folder to write to, got none of that name"
+        raise InputError(message, path=folder.absolute().parent)
+
+
+def write_validation(
+    folder: Path,
+    validation: Validation,
+    pairs: Mapping[str, Pair],
+    recorded: Mapping[str, list[Recorded]] | Path,
+) -> None:
+    """Write a folder whole: recordings as render and frame logs, simulated replays, and the page.
+
+    Parameters
+    ----------
+    recorded
+        By label, or the folder of an earlier validation, whose recordings are copied.
+
+    Raises
+    ------
+    InputError
+        As `check_folder`.
+    """
+    check_folder(folder)
+    with tempfile.TemporaryDirectory(
+        prefix=f".{folder.name}.", dir=folder.absolute().parent
+    ) as scratch:
+        partial, before = Path(scratch) / "new", Path(scratch) / "old"
+        (partial / _SIMULATED).mkdir(parents=True)
+        names = frame_log_names(list(pairs))
+        for label, name in names.items():
+            write_frame_log(partial / _SIMULATED / name, pairs[label].simulated)
+        if isinstance(recorded, Path):
+            for name in (_MEASURED, _RENDERED):
+                shutil.copytree(recorded / name, partial / name)
+        else:
+            _write_recordings(partial, recorded, names)
+        (partial / _RESULT).write_bytes(encode(validation))
+        (partial / _REPORT).write_text(render_validation(validation, pairs), encoding="utf-8")
+        if folder.exists():
+            folder.rename(before)
+        partial.rename(folder)
+
+
+def _write_recordings(
+    folder: Path, recorded: Mapping[str, list[Recorded]], names: Mapping[str, str]
+) -> None:
+    for kind in (_MEASURED, _RENDERED):
+        (folder / kind).mkdir()
+    for label, name in names.items():
+        for prefix, item in zip(("", _AGAIN), recorded[label], strict=False):
+            write_frame_log(folder / _MEASURED / f"{prefix}{name}", item.frames)
+            write_log(folder / _RENDERED / f"{prefix}{name}", item.columns, item.header)
+
+
+def read_recordings(
+    folder: Path, labels: list[str], scene: str, trace: str, budget_ms: float
+) -> dict[str, list[Recorded]]:
+    """Return the recordings of policies that `write_validation` wrote, by label.
+
+    Raises
+    ------
+    InputError
+        If one is missing, broken, or of another policy, scene, trace or budget.
+    """
+    found: dict[str, list[Recorded]] = {}
+    for label, name in frame_log_names(labels).items():
+        wanted = (label, scene, trace, budget_ms)
+        found[label] = [_read(folder, name, wanted)]
+        if (folder / _MEASURED / f"{_AGAIN}{name}").is_file():
+            found[label].append(_read(folder, f"{_AGAIN}{name}", wanted))
+    return found
+
+
+def _read(folder: Path, name: str, wanted: tuple[str, str, str, float]) -> Recorded:
+    frames = read_frame_log(folder / _MEASURED / name)
+    log = read_render_log(folder / _RENDERED / name, {"shaded_samples": "projected_px"})
+    header = frames.header
+    got = (header.policy, header.scene, header.trace, header.budget_ms)
+    if got != wanted or len(frames) != len(log):
+        policy, scene, trace, budget_ms = wanted
+        raise InputError(
+            f"expected {len(log)} frames of {policy} in {scene} along {trace} within "
+            f"{budget_ms:g} ms, got {len(frames)} of {got[0]} in {got[1]} along {got[2]} within "
+            f"{got[3]:g} ms; record again",
+            path=folder / _MEASURED / name,
+        )
+    counts = dict(zip(log.predictors, log.counts.T, strict=True))
+    counts["projected_px"] = np.asarray(counts["shaded_samples"])
+    return Recorded(dict(log.header), counts, frames)

@@ -1,0 +1,215 @@
+"""Hold simulated replays against recorded ones: frame by frame, metric by metric, rank by rank."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import InputError
+from ...models.arrays import FloatArray
+from ...models.cost import CostModel
+from ...models.hardware import HardwareProfile
+from ...models.predictors import GPU_PREDICTORS
+from ...sim.frame_log import FrameLog
+from ..comparison import Comparison
+from ..metrics.registry import METRICS
+from ..metrics.run import Run
+from .errors import adapted_ms, at_times, summarise
+from .ranks import kendall_tau
+from .result import Agreement, Errors, PolicyValidation, Rank, Validation
+
+__all__ = ["Measured", "Pair", "price_ms", "require_other_frames", "validate"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """One recording.
+
+    Attributes
+    ----------
+    frames : FrameLog
+    counts : dict of str to (n,) float64
+        What was drawn, by GPU predictor; ``shaded_samples`` as the simulator counts them.
+    """
+
+    frames: FrameLog
+    counts: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """One policy's replays.
+
+    Attributes
+    ----------
+    measured : one or two recordings, the second of the same replay again
+    simulated : the replay under the profile's mean
+    """
+
+    measured: tuple[Measured, ...]
+    simulated: FrameLog
+
+
+@dataclass(frozen=True, slots=True)
+class _Series:
+    """Predictions and measurements of the same frames."""
+
+    predicted_ms: FloatArray
+    measured_ms: FloatArray
+
+
+def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
+    """Raise InputError if the profile was calibrated on this scene along this trace."""
+    if f"{scene} along {trace}" in hardware.provenance.measured_on:
+        raise InputError(
+            f"--hardware {hardware.name}: expected a profile calibrated on other frames, got one "
+            f"of {scene} along {trace}; validate on another scene or trace"
+        )
+
+
+def price_ms(costs: CostModel, counts: Mapping[str, FloatArray]) -> FloatArray:
+    """Return what a cost model says of frames by what was drawn in them, (n,).
+
+    Raises
+    ------
+    InputError
+        If the model has a roofline, whose sides a log has no sums of, or a predictor that the
+        counts lack.
+    """
+    if costs.has_roofline:
+        raise InputError("hardware: expected a linear model to hold against logs, got a roofline")
+    total = np.full(len(next(iter(counts.values()))), costs.base_ms)
+    for name, ms in zip(GPU_PREDICTORS, costs.linear_ms.tolist(), strict=True):
+        if ms > 0.0 and name not in counts:
+            raise InputError(f"hardware: expected costs of what is recorded, got one of {name}")
+        if ms > 0.0:
+            total = total + ms * counts[name]
+    return total
+
+
+def validate(
+    comparison: Comparison,
+    pairs: Mapping[str, Pair],
+    hardware: HardwareProfile,
+    log: dict[str, str],
+) -> Validation:
+    """Return how simulation and recordings agree.
+
+    Parameters
+    ----------
+    comparison : of the simulated replays
+    pairs : by label, in the order of the policies
+    log : header of the recordings
+
+    Raises
+    ------
+    InputError
+        If a recording holds no more than the warm-up and one frame.
+    """
+    warmup = comparison.warmup
+    for label, pair in pairs.items():
+        for frames in (*(item.frames for item in pair.measured), pair.simulated):
+            if len(frames) < warmup + 2:
+                raise InputError(
+                    f"{label}: expected more than {warmup + 1} frames, got {len(frames)}; lower "
+                    "--warmup or take a longer trace"
+                )
+    series = {label: _series(pair, hardware, warmup) for label, pair in pairs.items()}
+    policies = tuple(
+        _policy(label, pair, comparison, series[label]) for label, pair in pairs.items()
+    )
+    known = [
+        item.inside for p in policies for item in p.metrics.values() if item.inside is not None
+    ]
+    return Validation(
+        scene=comparison.scene,
+        trace=comparison.trace,
+        trace_s=comparison.conditions.trace_s,
+        hardware=hardware.name,
+        hardware_source=hardware.provenance.source,
+        measured_on=hardware.provenance.measured_on,
+        budget_ms=comparison.budget_ms,
+        seed=comparison.seed,
+        warmup=warmup,
+        level=comparison.intervals.level,
+        draws=comparison.intervals.draws,
+        log=log,
+        policies=policies,
+        all_policies=_errors(_joined(list(series.values()))),
+        inside=float(np.mean(known)) if known else None,
+        ranks=_ranks(policies),
+    )
+
+
+def _policy(
+    label: str, pair: Pair, comparison: Comparison, series: dict[str, _Series]
+) -> PolicyValidation:
+    scored = next(policy for policy in comparison.ok if policy.label == label)
+    values = [_values(item.frames, comparison.warmup) for item in pair.measured]
+    again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
+    metrics: dict[str, Agreement] = {}
+    for metric in METRICS:
+        score, measured = scored.metrics[metric.id], values[0][metric.id]
+        inside = None
+        if measured is not None and score.low is not None and score.high is not None:
+            inside = score.low <= measured <= score.high
+        metrics[metric.id] = Agreement(
+            measured, again[metric.id], score.value, score.low, score.high, inside, metric.unit
+        )
+    frames = len(pair.measured[0].frames), len(pair.simulated)
+    return PolicyValidation(label, *frames, _errors(series), metrics)
+
+
+def _values(frames: FrameLog, warmup: int) -> dict[str, float | None]:
+    run = Run(frames, warmup)
+    found = {metric.id: metric(run) for metric in METRICS}
+    return {name: None if item is None else item.value() for name, item in found.items()}
+
+
+def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, _Series]:
+    """Return what is compared with the first recording, by the name in `Errors`."""
+    first = pair.measured[0]
+    time_s, measured = _times(first.frames, warmup)
+    model = price_ms(hardware.gpu, first.counts)
+    adapted = adapted_ms(model, np.asarray(first.frames["gpu_ms"]))
+    found = {
+        "model": _Series(model[warmup:], measured),
+        "v_time": _Series(adapted[warmup:], measured),
+        "simulation": _Series(at_times(*_times(pair.simulated, warmup), time_s), measured),
+    }
+    for other in pair.measured[1:]:
+        found["again"] = _Series(at_times(*_times(other.frames, warmup), time_s), measured)
+    return found
+
+
+def _times(frames: FrameLog, warmup: int) -> tuple[FloatArray, FloatArray]:
+    run = Run(frames, warmup)
+    return run.time_s, run.work_ms
+
+
+def _joined(parts: Sequence[dict[str, _Series]]) -> dict[str, _Series]:
+    return {
+        name: _Series(
+            np.concatenate([part[name].predicted_ms for part in parts]),
+            np.concatenate([part[name].measured_ms for part in parts]),
+        )
+        for name in parts[0]
+    }
+
+
+def _errors(series: dict[str, _Series]) -> Errors:
+    found = {name: summarise(s.predicted_ms, s.measured_ms) for name, s in series.items()}
+    return Errors(found["model"], found["v_time"], found["simulation"], found.get("again"))
+
+
+def _ranks(policies: Sequence[PolicyValidation]) -> dict[str, Rank]:
+    """Return τ by metric, of those that tell some policies apart in either."""
+    ranks: dict[str, Rank] = {}
+    for metric in METRICS:
+        items = [policy.metrics[metric.id] for policy in policies]
+        measured = [item.measured for item in items]
+        simulated = kendall_tau(measured, [item.simulated for item in items])
+        again = kendall_tau(measured, [item.again for item in items])
+        if simulated is not None or again is not None:
+            ranks[metric.id] = Rank(simulated, again)
+    return ranks
