@@ -81,7 +81,7 @@ class Recorder:
     ) -> Recorded:
         """Record a policy, or the programme of calibration where there is none.
 
-        Calibration goes through the whole trace in even steps, 1,200 frames unless `options` says another
+        Calibration goes through the whole trace in even steps, 1,200 unless `options` says another
         number; a policy's replay takes as much of it as its frames last.
 
         Raises
