@@ -3,6 +3,7 @@
 # make check     format, lint, types and every command that the documentation shows
 # make bench     speed, held against simpy
 # make docs      generated tables of the documentation
+# make validation  measure this machine with OpenGL, and write what docs/validation.md reports
 #
 # Everything happens in .venv, made from the first Python >= 3.11 found, or from PYTHON=...
 
@@ -11,7 +12,7 @@ PYTEST_FLAGS =
 PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
 
-.PHONY: compare test test-slow check bench docs clean
+.PHONY: compare test test-slow check bench docs validation clean
 .DELETE_ON_ERROR:
 
 compare: .venv/.installed
@@ -35,6 +36,9 @@ bench: .venv/.installed-bench
 docs: .venv/.installed-dev
 	$(BIN)/python docs/build.py
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
+
+validation: .venv/.installed-dev
+	$(BIN)/python docs/validate.py
 
 clean:
 	rm -rf .venv .types out build dist lodbench.egg-info .benchmarks .hypothesis

@@ -3,10 +3,11 @@
 Usage: ``python docs/lod_models.py FOLDER``, the folder of meshes; some minutes.
 """
 
-import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+from made import table, write_blocks
 
 from lodbench.analysis.model_tables import (
     collapse_errors,
@@ -21,19 +22,12 @@ from lodbench.models.mesh_error import Sampling
 from lodbench.models.mesh_file import load_mesh
 
 PAGE = Path(__file__).parent / "lod-models.md"
-MADE = re.compile(r"(<!-- made by docs/lod_models.py: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 SHARES = (0.75, 0.5, 0.25, 0.1, 0.05)
 COARSE = (0.5, 0.25, 0.1, 0.05, 0.02)
 CHANGES = ((1.0, 0.5), (0.5, 0.45), (0.1, 0.05), (0.05, 0.1), (0.45, 0.5), (0.5, 1.0))
 SAMPLING = Sampling(vertices=4_000, surface=4_000)
 CHANGED = ("cow.obj", "stanford-bunny.obj")
 TEXTURED = ("CesiumMilkTruck.glb", "spot.obj")
-
-
-def table(*rows: tuple[str, ...]) -> str:
-    """Return a Markdown table; the first row is its head."""
-    head, *body = rows
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, ("---",) * len(head), *body))
 
 
 def percent(share: float) -> str:
@@ -119,9 +113,8 @@ def main(folder: Path) -> None:
         "texture": texture_rows,
         "work": work_rows,
     }
-    text = PAGE.read_text(encoding="utf-8")
-    text = MADE.sub(lambda m: f"{m[1]}{table(*made[m[2]](surfaces))}\n{m[3]}", text)
-    PAGE.write_text(text, encoding="utf-8")
+    blocks = {name: table(*rows(surfaces)) for name, rows in made.items()}
+    write_blocks(PAGE, "docs/lod_models.py", blocks)
 
 
 if __name__ == "__main__":
