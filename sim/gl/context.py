@@ -2,7 +2,6 @@
 
 import os
 import re
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,9 +17,11 @@ BACKENDS = ("egl", "window")
 _VERSION = 430  # storage buffers
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "warp")
 _EGL_PACKAGES = (
-    "install libegl1 and libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL and mesa-dri-drivers "
-    "(Fedora), or the EGL library of the GPU's driver"
+    "install libegl1, libgl1 and libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL, mesa-libGL and "
+    "mesa-dri-drivers (Fedora), or the EGL library of the GPU's driver"
 )
+_WINDOW = f"a window with OpenGL {_VERSION / 100:.1f}"
+_NO_WINDOW = "record with --backend egl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,8 @@ class Target:
         glfw.poll_events()
 
     def close(self) -> None:
-        """Give the context back."""
+        """Give the context back, and with it all that was made in it."""
+        self.context.gc_mode = "context_gc"  # what is collected later may not delete another's
         self.context.release()
         if self.window is not None:
             import glfw
@@ -105,15 +107,15 @@ def open_target(
         if backend == "window":
             return _windowed(moderngl, size_px)
         create: Any = moderngl.create_context  # its stubs want keywords in a dictionary
-        context: moderngl.Context = create(standalone=True, require=_VERSION, backend="egl")
-        context.gc_mode = "auto"  # give back what Python no longer refers to
+        return _target(create(standalone=True, require=_VERSION, backend="egl"))
+    except InputError:
+        raise
     except Exception as error:  # moderngl raises plain Exception, and ImportError for libraries
         what = " ".join(str(error).split()) or type(error).__name__
-        message = f"expected OpenGL {_VERSION / 100:.1f} through EGL, got: {what}; {_EGL_PACKAGES}"
         if backend == "window":
-            message = f"expected a window with OpenGL, got: {what}; record with --backend egl"
+            raise InputError(f"expected {_WINDOW}, got: {what}; {_NO_WINDOW}") from error
+        message = f"expected OpenGL {_VERSION / 100:.1f} through EGL, got: {what}; {_EGL_PACKAGES}"
         raise InputError(message) from error
-    return Target(context, _device(context))
 
 
 def _windowed(moderngl: Any, size_px: tuple[int, int]) -> Target:
@@ -122,25 +124,28 @@ def _windowed(moderngl: Any, size_px: tuple[int, int]) -> Target:
     except ImportError as error:
         message = "expected GLFW to open a window, got none; pip install 'lodbench[gl]'"
         raise InputError(message) from error
-    if not glfw.init():
-        reason = "no display" if sys.platform == "linux" and not _has_display() else "it refused"
-        raise InputError(f"expected GLFW to start, got: {reason}; record with --backend egl")
+    glfw.ERROR_REPORTING = "ignore"  # instead of warnings: the last error tells
+    window = _open_window(glfw, size_px) if glfw.init() else None
+    if window is None:
+        what: Any = glfw.get_error()[1]
+        reason = what.decode(errors="replace") if what else "none"
+        raise InputError(f"expected {_WINDOW}, got: {reason}; {_NO_WINDOW}")
+    glfw.make_context_current(window)
+    glfw.swap_interval(0)  # a wait for the screen is no cost of the frame
+    return _target(moderngl.create_context(require=_VERSION), window)
+
+
+def _open_window(glfw: Any, size_px: tuple[int, int]) -> Any:
     glfw.window_hint(glfw.RESIZABLE, False)
     glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, _VERSION // 100)
     glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, _VERSION // 10 % 10)
     glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
-    window = glfw.create_window(*size_px, "lodbench", None, None)
-    if not window:
-        raise InputError("expected a window with OpenGL 4.3, got none; record with --backend egl")
-    glfw.make_context_current(window)
-    glfw.swap_interval(0)  # a wait for the screen is no cost of the frame
-    context = moderngl.create_context(require=_VERSION)
-    context.gc_mode = "auto"
+    return glfw.create_window(*size_px, "lodbench", None, None) or None
+
+
+def _target(context: "moderngl.Context", window: Any = None) -> Target:
+    context.gc_mode = "auto"  # give back what Python no longer refers to
     return Target(context, _device(context), window)
-
-
-def _has_display() -> bool:
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _device(context: "moderngl.Context") -> Device:

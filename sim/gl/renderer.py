@@ -126,14 +126,15 @@ class Renderer:
         self._texture.use(0)
         for program in self._programs.values():
             program.projection.write(frame.projection)
-        kind, textured, program = -1, False, None
+        before, program = None, None
         for batch in frame.batches:
             skinned = meshes.skinned[batch.row]
             for part in meshes.parts[batch.row]:
-                if program is None or batch.kind != kind or part.textured != textured:
-                    kind, textured = batch.kind, part.textured
-                    program = self._program(skinned=skinned, textured=textured)
-                    program.color.value = self._colors[kind]
+                state = (batch.kind, skinned, part.textured)
+                if program is None or state != before:
+                    before = state
+                    program = self._program(skinned=skinned, textured=part.textured)
+                    program.color.value = self._colors[batch.kind]
                 program.first.value = batch.first
                 if skinned:
                     program.first_bone.value = batch.first_bone
