@@ -1,6 +1,6 @@
 """Measure this machine, validate the simulator on it, and write what `validation.md` reports.
 
-Usage: ``python docs/validate.py [FOLDER]`` (``make validation``), a quarter of an hour on a quiet
+Usage: ``python docs/validate.py [FOLDER]`` (``make validation``), some twenty minutes on a quiet
 machine; logs and pages stay in FOLDER, by default out/validation.  With ``--bundle`` the new log
 and profile also replace those of `llvmpipe` in the package.
 """

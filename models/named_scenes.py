@@ -15,7 +15,7 @@ ABOUT = {
     "atlas": "1,092 parts of a detector from 0.1 to 25 m, 3.7 million triangles, continuous",
     "city": "114 walls of blocks as trees of 2,298 nodes, 8.95 million triangles",
     "crowd-1024": "characters of 2,620 triangles, skinned; any number from crowd-32 to crowd-32768",
-    "market": "1,500 pieces of furniture in the open, of 76 to 1,824 triangles",
+    "market": "1,500 pieces of furniture in the open, of 136 to 1,824 triangles",
     "ogres": "3,000 ogres of 1,960 triangles, continuous to 10 %",
     "ogres-trees": "the same with 100 trees of 97,133 triangles, continuous to 10 %",
     "plaza": "3,000 rocks, people, houses and trees; made in a few seconds, never cached",
