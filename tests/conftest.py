@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from lodbench.errors import InputError
 from lodbench.models.camera import Camera
 from lodbench.models.cost import CostModel, CpuCostModel
 from lodbench.models.frustum import Culler
@@ -19,6 +20,7 @@ from lodbench.models.predictors import LEVEL_PREDICTORS
 from lodbench.models.residual import Residual
 from lodbench.models.scene import ObjectTypes, Scene
 from lodbench.policies.view import Completed, FrameState, View
+from lodbench.sim.gl.context import open_target
 from lodbench.traces.camera import CameraTrace
 
 # The same examples in every run of CI, so that a failure there is about the change.
@@ -37,6 +39,15 @@ def data_dir() -> Path:
     if not folder.is_dir():
         pytest.skip(f"real data not found: no folder {folder.name}; set LODBENCH_DATA")
     return folder
+
+
+@pytest.fixture(scope="session")
+def egl() -> None:
+    """Skip tests that draw where no OpenGL is to be had."""
+    try:
+        open_target("egl", threads=0).close()
+    except InputError as error:
+        pytest.skip(f"no OpenGL through EGL: {error}")
 
 
 def build_levels(
