@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..models.hardware import HardwareProfile
+from ..models.scene import Scene
 from ..models.scene_catalog import OpenedScene
 from ..policies.registry import parse_policy
 from ..sim.frame_log import FrameLog
@@ -28,6 +30,7 @@ CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
 
 _CALIBRATION_FRAMES = 1_200
+_MOST_THREADS = 32  # of llvmpipe
 Progress = Callable[[int, int], None]
 
 
@@ -47,6 +50,11 @@ class RecordOptions:
     instancing: bool = False
     repeats: int = 5
     threads: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.threads <= _MOST_THREADS:
+            got = self.threads
+            raise InputError(f"--threads: expected 0 to {_MOST_THREADS}, got {got}; 0 is quietest")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +100,7 @@ class Recorder:
         how, name, step_ms = self._how, label or CALIBRATION, None
         policy = Calibration(options.seed) if label is None else parse_policy(label).make()
         if label is None:
+            _require_flat(self._scene)
             options = replace(options, frames=options.frames or _CALIBRATION_FRAMES)
             step_ms = max(1e3 * trace.duration_s / (options.frames or 1), 1e-3)
         measuring = GlMachine(self._renderer, self._device, repeats=how.repeats, step_ms=step_ms)
@@ -135,6 +144,14 @@ def open_recorder(
         yield Recorder(target, scene, how)
     finally:
         target.close()
+
+
+def _require_flat(scene: Scene) -> None:
+    if not scene.flat:
+        raise InputError(
+            f"--calibrate: expected a flat scene, got {scene.name}, which is a hierarchy; "
+            "calibrate on another, such as plaza: costs are those of the machine"
+        )
 
 
 class _Told:

@@ -88,6 +88,10 @@ def record(
     from .scene_output import opening
 
     check_log_path(out)
+    if frame_log is not None:
+        check_log_path(frame_log, (".parquet",))
+        if frame_log.absolute() == out.absolute():
+            raise InputError("--frame-log: expected another file than --out, got the same")
     if (policy is None) is not calibrate:
         got = "both" if calibrate else "neither"
         raise InputError(f"record: expected --policy or --calibrate, got {got}; give one")
@@ -112,9 +116,9 @@ def record(
         )
         if pictures is not None:
             pictures.write_table(found)
-    write_log(out, found.columns, found.header)
-    if frame_log is not None:
-        write_frame_log(frame_log, found.frames)
+        write_log(out, found.columns, found.header)
+        if frame_log is not None:
+            write_frame_log(frame_log, found.frames)
     _print(summary_of(found), as_json=as_json)
 
 

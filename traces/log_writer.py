@@ -1,6 +1,6 @@
 """Write a render log as `log_csv` and `log_parquet` read it: columns, and a line about them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,11 @@ __all__ = ["check_log_path", "write_log"]
 _SUFFIXES = (".parquet", ".csv")
 
 
-def check_log_path(path: Path) -> None:
-    """Raise InputError unless the path is one that `write_log` can write to."""
-    if path.suffix not in _SUFFIXES or path.is_dir() or not path.absolute().parent.is_dir():
+def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
+    """Raise InputError unless the path is one that `write_log`, or who writes these, can write."""
+    if path.suffix not in suffixes or path.is_dir() or not path.absolute().parent.is_dir():
         raise InputError(
-            f"expected a {' or '.join(_SUFFIXES)} file in a folder that exists; name such a path",
+            f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path",
             path=path,
         )
 

@@ -14,7 +14,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...errors import InputError
 from ...models.arrays import FloatArray
 from ...models.scene import Scene
 from ...policies.protocol import Capabilities
@@ -40,11 +39,6 @@ class Calibration:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Begin the programme anew."""
-        if not scene.flat:
-            raise InputError(
-                f"--calibrate: expected a flat scene, got {scene.name}, which is a hierarchy; "
-                "calibrate on another, such as plaza: costs are those of the machine"
-            )
         self._rng = np.random.default_rng(self._seed)
         self._levels = scene.types.levels
         self._count = len(scene)
