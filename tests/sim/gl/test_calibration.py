@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from lodbench.errors import InputError
 from lodbench.models.geometry import LevelMesh
 from lodbench.models.scene import Scene
 from lodbench.policies.protocol import Policy
@@ -105,10 +104,3 @@ def test_levels_of_continuous_types_are_their_knots(
     for frame in range(60):
         seen |= set(programme.select(make_view(scene, frame=frame)).detail.tolist())
     assert seen == {1.0, 0.25, 0.05}
-
-
-def test_a_hierarchy_is_refused(make_scene: Callable[..., Scene]) -> None:
-    """One line says what to calibrate on instead."""
-    tree = make_scene([(0.0, 0.0, -10.0)] * 2, parent=[-1, 0])
-    with pytest.raises(InputError, match=r"--calibrate: expected a flat scene.*such as plaza"):
-        Calibration(0).reset(tree, 10.0)

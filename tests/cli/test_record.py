@@ -1,0 +1,298 @@
+"""`lodbench record`: what it writes and prints on a software rasteriser, and what it refuses."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from lodbench.cli.main import run
+from lodbench.cli.record import parse_size
+from lodbench.errors import InputError
+from lodbench.models.scene_file import read_geometry, read_scene, write_scene
+from lodbench.sim.frame_log_file import read_frame_log
+from lodbench.traces.read_log import read_render_log
+
+pytestmark = pytest.mark.usefixtures("egl")
+
+QUICK = ["--trace", "walk", "--repeats", "1", "--size", "160x90", "--frames", "12"]
+STATIC = ["--policy", "static-screen"]
+Record = Callable[..., int]
+
+
+@pytest.fixture(scope="module")
+def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build 80 balls of two types, the same as a tree, and the same without meshes."""
+    folder = tmp_path_factory.mktemp("scenes")
+    names = [str(folder / f"{name}.ply") for name in ("ball", "small")]
+    for name, subdivisions in zip(names, (3, 2), strict=True):
+        trimesh.creation.icosphere(subdivisions=subdivisions).export(name)
+    flat = folder / "balls.lodscene"
+    options = ["--layout", "grid", "--count", "80", "--levels", "4", "--json"]
+    assert run(["scene", "build", *names, "--out", str(flat), *options]) == 0
+    scene, parent = read_scene(flat), np.zeros(80, dtype=np.int32)
+    parent[0] = -1
+    write_scene(folder / "tree.lodscene", replace(scene, parent=parent), read_geometry(flat))
+    write_scene(folder / "bare.lodscene", scene, ())
+    return folder
+
+
+@pytest.fixture
+def record(scenes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> Record:
+    """Return a function that records in an empty folder, of the balls unless told."""
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()
+
+    def command(*more: str, out: str = "log.csv", scene: str = "balls") -> int:
+        named = str(scenes / f"{scene}.lodscene")
+        return run(["record", "--scene", named, "--out", out, *QUICK, *more])
+
+    return command
+
+
+def refusal(capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the one line on stderr; nothing else is printed and nothing written."""
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("error: ")
+    assert printed.err.count("\n") == 1
+    assert list(Path().iterdir()) == []
+    return printed.err
+
+
+@pytest.mark.parametrize("name", ["log.csv", "log.parquet"])
+def test_a_log_that_fit_can_read(record: Record, name: str) -> None:
+    """Every predictor and time of a frame, and in the header what was recorded."""
+    assert record(*STATIC, out=name) == 0
+    log = read_render_log(Path(name))
+    header = dict(log.header)
+    assert header["scene"] == "balls"
+    assert header["policy"] == "static-screen"
+    assert header["resolution"] == "160x90"
+    assert header["repeats"] == "1"
+    assert len(log) == 12
+    assert (log.columns(["draw_calls", "triangles", "shaded_samples"]) >= 1.0).all()
+    assert (log.columns(["framebuffer_pixels"]) == 160 * 90).all()
+    assert (log.time("frame_ms") > log.time("cpu_ms")).all()
+    assert [path.name for path in Path().iterdir()] == [name]
+    if "llvmpipe" in header["renderer"]:
+        assert header["gpu_ms"].startswith("left out, a software rasteriser")
+
+
+def test_what_json_says(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
+    """One document that is told from others by its schema."""
+    assert record(*STATIC, "--json", "--instancing") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found.pop("schema") == "lodbench.record/1"
+    assert sorted(found) == [
+        "frame_ms_mean",
+        "frame_ms_p95",
+        "frame_ms_sd",
+        "frames",
+        "log",
+        "means",
+        "repeats_spread_pct",
+    ]
+    assert found["frames"] == 12
+    assert found["log"]["draws"] == "instanced"
+    columns = {"draw_calls", "triangles", "shaded_samples", "cpu_ms", "policy_ms"}
+    assert set(found["means"]) == columns
+    assert found["means"]["draw_calls"] <= 8  # levels, however many objects
+
+
+def test_what_a_reader_is_told(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
+    """The device, the times and the counts, in a few lines."""
+    assert record(*STATIC, "--images", "pictures") == 0
+    said = capsys.readouterr().out
+    for part in ("160x90", "12 frames of", "draw calls", "of the policy, apart", "SSIM"):
+        assert part in said
+
+
+def test_frames_as_compare_writes_them(record: Record) -> None:
+    """The frame log holds the measured times as those of the GPU, and the same counts."""
+    assert record("--policy", "feedback", "--frame-log", "frames.parquet", out="log.parquet") == 0
+    frames, log = read_frame_log(Path("frames.parquet")), read_render_log(Path("log.parquet"))
+    assert frames.header.policy == "feedback"
+    assert frames["gpu_ms"] == pytest.approx(log.time("frame_ms"), rel=1e-6)
+    assert frames["triangles"].tolist() == log.columns(["triangles"])[:, 0].tolist()
+
+
+def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are the pictures that they are held against; a second recording replaces the first."""
+    full = ["--policy", "full", "--images", "pictures", "--json"]
+    assert record(*full, "--image-every", "4") == 0
+    capsys.readouterr()
+    assert record(*full, "--image-every", "6") == 0
+    found = json.loads(capsys.readouterr().out)["pictures"]
+    assert found == {"count": 2, "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
+    names = sorted(path.name for path in Path("pictures").iterdir())
+    assert names == ["frame-000000.png", "frame-000006.png", "images.csv"]
+    header, *rows = Path("pictures/images.csv").read_text(encoding="utf-8").splitlines()
+    assert header.startswith("frame,trace_s,ssim,difference,differing,benefit_share,sse_px_p95")
+    assert [row.split(",")[0] for row in rows] == ["0", "6"]
+    for row in rows:
+        assert row.split(",")[2:6] == ["1", "0", "0", "1"]
+        assert len(row.split(",")) == len(header.split(","))
+
+
+def test_a_calibration_can_be_fitted(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
+    """120 frames that spread the predictors give a profile."""
+    assert record("--calibrate", "--frames", "120", out="log.parquet") == 0
+    log = read_render_log(Path("log.parquet"))
+    assert dict(log.header)["policy"] == "calibration"
+    assert len(np.unique(log.columns(["framebuffer_pixels"]))) > 1
+    capsys.readouterr()
+    terms = ["draw_calls", "triangles", "rasterized_triangles", "framebuffer_pixels"]
+    quick = ["--steps", "500", "--heldout", "none", "--json"]
+    assert run(["fit", "log.parquet", "--terms", ",".join(terms), *quick]) == 0
+    fitted = json.loads(capsys.readouterr().out)
+    assert fitted["target"] == "frame_ms"
+    assert fitted["terms"] == terms
+    assert all(fitted["coefficients"][name]["q95"] > 0.0 for name in terms)
+
+
+def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
+    """What selects fronts in memory is recorded."""
+    assert record("--policy", "cluster-cut", scene="tree") == 0
+    assert len(read_render_log(Path("log.csv"))) == 12
+
+
+@pytest.mark.parametrize(
+    ("scene", "arguments", "message"),
+    [
+        ("balls", [], "expected --policy or --calibrate, got neither"),
+        ("balls", [*STATIC, "--calibrate"], "expected --policy or --calibrate, got both"),
+        ("balls", [*STATIC, "--size", "160"], "--size: expected WIDTHxHEIGHT"),
+        ("balls", [*STATIC, "--size", "8x8"], "from 16x16 to 16384x16384, got 8x8"),
+        ("balls", [*STATIC, "--out", "log.txt"], "expected a .parquet or .csv file"),
+        ("balls", [*STATIC, "--out", "no/log.csv"], "in a folder that exists"),
+        ("balls", [*STATIC, "--out", "/proc/log.csv"], "a file that can be written"),
+        ("balls", [*STATIC, "--frame-log", "no/log.parquet"], "expected a .parquet file in a"),
+        ("balls", [*STATIC, "--frame-log", "frames.csv"], "expected a .parquet file in a"),
+        (
+            "balls",
+            [*STATIC, "--out", "a.parquet", "--frame-log", "a.parquet"],
+            "--frame-log: expected another file than --out",
+        ),
+        ("balls", [*STATIC, "--images", "no/pictures"], "expected a folder to write to"),
+        ("balls", [*STATIC, "--images", "p", "--image-every", "0"], "--image-every: expected"),
+        (
+            "balls",
+            [*STATIC, "--images", "pictures", "--out", "/proc/log.csv"],
+            "a file that can be written",
+        ),
+        ("balls", [*STATIC, "--repeats", "0"], "--repeats: expected 1 to 99"),
+        ("balls", [*STATIC, "--threads", "-1"], "--threads: expected 0 to 32, got -1"),
+        ("balls", [*STATIC, "--frames", "0"], "frames: expected 1 to"),
+        ("balls", [*STATIC, "--backend", "vulkan"], "--backend: expected one of egl, window"),
+        ("balls", ["--policy", "oracle"], "it sees the future"),
+        ("balls", ["--policy", "none"], "unknown policy none"),
+        ("tree", ["--policy", "hlod-hysteresis"], "it streams"),
+        ("tree", STATIC, "the scene is a hierarchy"),
+        ("tree", ["--calibrate"], "--calibrate: expected a flat scene, got balls"),
+        ("bare", STATIC, "meshes to draw, one for each level, got 0"),
+    ],
+)
+def test_refusals(
+    record: Record,
+    scene: str,
+    arguments: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One line on stderr, exit code 2, and nothing written."""
+    assert record(*arguments, scene=scene) == 2
+    assert message in refusal(capsys)
+
+
+def test_a_folder_of_other_things_is_left_alone(
+    record: Record, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whoever names their holiday pictures keeps them."""
+    Path("mine").mkdir()
+    Path("mine/frame-1.png").touch()
+    Path("mine/notes.txt").touch()
+    assert record(*STATIC, "--images", "mine") == 2
+    assert "one that holds notes.txt; name another" in capsys.readouterr().err
+    assert sorted(path.name for path in Path("mine").iterdir()) == ["frame-1.png", "notes.txt"]
+    assert not Path("log.csv").exists()
+    assert record(*STATIC, "--images", "mine/notes.txt") == 2
+    assert "one that holds notes.txt; name another" in capsys.readouterr().err
+
+
+def test_a_policy_that_fails_leaves_what_was_there(
+    record: Record, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the middle of a recording: an earlier log and pictures stay, and no others appear."""
+    Path("policy.py").write_text(
+        "import numpy as np\n"
+        "class Fails:\n"
+        "    from lodbench.policies.protocol import Capabilities\n"
+        "    capabilities = Capabilities()\n"
+        "    def reset(self, scene, budget_ms): pass\n"
+        "    def select(self, view):\n"
+        "        from lodbench.policies.selection import Selection\n"
+        "        if view.frame == 5: raise ValueError('enough')\n"
+        "        return Selection(view.ids, np.zeros(len(view)))\n",
+        encoding="utf-8",
+    )
+    Path("log.csv").write_text("earlier", encoding="utf-8")
+    assert record("--policy", "policy.py:Fails", "--images", "pictures") == 1
+    assert "enough" in capsys.readouterr().err
+    assert Path("log.csv").read_text(encoding="utf-8") == "earlier"
+    left = sorted(path.name for path in Path().iterdir() if path.name != "__pycache__")
+    assert left == ["log.csv", "policy.py"]
+
+
+@pytest.mark.parametrize(
+    ("backend", "broken", "advice"),
+    [
+        ("egl", {"GLCONTEXT_LINUX_LIBEGL": "libnone.so"}, "libegl1, libgl1 and libgl1-mesa-dri"),
+        (
+            "egl",
+            {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent"},
+            "libegl1, libgl1 and libgl1-mesa-dri",
+        ),
+        ("window", {"DISPLAY": "", "WAYLAND_DISPLAY": ""}, "record with --backend egl"),
+    ],
+)
+def test_without_a_driver(
+    scenes: Path, tmp_path: Path, backend: str, broken: dict[str, str], advice: str
+) -> None:
+    """A machine without EGL, without drivers, or without a display: one line says what to do."""
+    scene, out = str(scenes / "balls.lodscene"), str(tmp_path / "log.csv")
+    arguments = ["record", "--scene", scene, "--out", out, *QUICK, *STATIC, "--backend", backend]
+    found = subprocess.run(
+        [sys.executable, "-m", "lodbench", *arguments],
+        env=os.environ | broken,
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 2
+    last = found.stderr.splitlines()[-1]
+    assert last.startswith("error: expected ")
+    assert advice in last
+    assert "Traceback" not in found.stderr
+    assert found.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "1280", "1280X720", "0x0", "-16x16", "1e3x9", "16x16x16"]
+)
+def test_sizes_that_are_none(text: str) -> None:
+    """The right form is shown."""
+    with pytest.raises(InputError, match="WIDTHxHEIGHT from 16x16 to 16384x16384"):
+        parse_size(text)
+
+
+def test_sizes() -> None:
+    """Width comes first."""
+    assert parse_size("1280x720") == (1280, 720)
