@@ -152,6 +152,18 @@ def test_a_type_that_is_skinned_at_its_finest_only(drawing: Any, cube: Any) -> N
     assert not np.array_equal(both[:, 32:], made.pixels()[:, 32:])
 
 
+@pytest.mark.parametrize("instancing", [False, True])
+def test_each_skinned_node_has_its_own_bones(drawing: Any, cube: Any, instancing: bool) -> None:
+    """Among nodes without bones, whatever is drawn before it, it bends as if alone."""
+    corners = [(-2.0, 2.0, -5.0), (2.0, 2.0, -5.0), (-2.0, -2.0, -5.0), (2.0, -2.0, -5.0)]
+    made = drawing(corners, [[cube()], [cube()]], kind=[0, 1, 0, 1], skinned=[[False], [True]])
+    together = made.pixels(instancing=instancing)
+    for node, (x, y, _) in enumerate(corners):
+        part = (slice(0, 32) if y > 0 else slice(32, 64), slice(32, 64) if x > 0 else slice(0, 32))
+        alone = made.pixels(instancing=instancing, ids=[node])
+        assert np.array_equal(together[part], alone[part])
+
+
 def test_a_smaller_framebuffer_is_shown_at_full_size(drawing: Any, quad: Any, covered: Any) -> None:
     """At half the size a fourth of the samples is shaded, and the square stands where it stood."""
     made = drawing([(1.0, 0.0, -4.0)], [[quad()]])
