@@ -6,11 +6,12 @@ being Gobbetti-Bouvier's and Funkhouser-Séquin's ``max(T_tri · triangles, T_pi
 One linear predictor, ``rasterized_triangles``, is a function of the level and the view.  A triangle
 that covers no sample is dropped after its vertices are transformed, and costs a fraction of one
 that is set up and filled.  If an object's samples fall on its triangles at random, of T triangles
-``T · (1 - exp(-samples / T))`` receive one, samples being `DISC_SHARE` of the projected area.
+in the picture ``T · (1 - exp(-samples / T))`` receive one.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from .predictors import (
     SHADED_SAMPLES,
 )
 
-__all__ = ["DISC_SHARE", "CostModel", "CpuCostModel", "rasterized_triangles"]
+__all__ = ["DISC_SHARE", "CostModel", "CpuCostModel", "Footprint", "rasterized_triangles"]
 
 DISC_SHARE = 0.4
 """Share of a bounding sphere's disc that a mesh covers; hulls of eight cover 0.32 to 0.46."""
@@ -42,15 +43,38 @@ def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> F
     return array
 
 
-def rasterized_triangles(triangles: FloatArray, area_px: FloatArray) -> FloatArray:
-    """Return how many of an object's triangles should reach a sample, at most all of them."""
-    per_triangle = np.divide(
-        DISC_SHARE * area_px,
-        triangles,
-        out=np.zeros(np.broadcast_shapes(triangles.shape, area_px.shape)),
-        where=triangles > 0.0,
-    )
-    return triangles * -np.expm1(-per_triangle)
+class Footprint(Protocol):
+    """Where m objects are in the picture; a policy's `View` is one."""
+
+    @property
+    def area_px(self) -> FloatArray:
+        """Projected area of the bounding spheres, at most the viewport's, (m,)."""
+        ...
+
+    @property
+    def covered_px(self) -> FloatArray:
+        """Samples that the objects themselves should cover, (m,)."""
+        ...
+
+    @property
+    def inside_share(self) -> FloatArray:
+        """Share of each object that is in the picture, in [0, 1], (m,)."""
+        ...
+
+
+def rasterized_triangles(
+    triangles: FloatArray, covered_px: FloatArray, inside: FloatArray
+) -> FloatArray:
+    """Return how many of each object's triangles should reach a sample, at most all of them.
+
+    Parameters
+    ----------
+    covered_px, inside
+        As `Footprint.covered_px` and `Footprint.inside_share`.
+    """
+    seen = triangles * inside
+    per_triangle = np.divide(covered_px, seen, out=np.zeros(seen.shape), where=seen > 0.0)
+    return seen * -np.expm1(-per_triangle)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,17 +145,31 @@ class CostModel:
         return levels.counts @ self.linear_ms[:count], geometry
 
     def object_ms(
-        self, linear: FloatArray, geometry: FloatArray, area_px: FloatArray
+        self,
+        linear: FloatArray,
+        geometry: FloatArray,
+        seen: Footprint,
+        pixel_share: float = 1.0,
     ) -> FloatArray:
-        """Return the marginal cost of objects from their level costs and projected areas, (m,).
+        """Return the marginal cost of objects by level and footprint, (m,) or (m, L).
 
-        `linear` is (m,) and `geometry` (m, 2), rows of what `level_ms` returns.
+        Parameters
+        ----------
+        linear, geometry
+            (m,) and (m, 2), or (m, L) and (m, L, 2) for L levels of each object: rows of what
+            `level_ms` returns.
+        pixel_share
+            Pixels of the picture over those of the window.
         """
+        column = (slice(None), None) if linear.ndim == 2 else slice(None)
+        area_px = pixel_share * seen.area_px[column]
         cost = linear + self.linear_ms[SHADED_SAMPLES] * area_px
         if self.has_roofline:
             cost = cost + np.maximum(geometry[..., 0], self.roofline_ms[SHADED_SAMPLES] * area_px)
         if self.rasterized_ms:
-            cost = cost + self.rasterized_ms * rasterized_triangles(geometry[..., 1], area_px)
+            covered_px = pixel_share * seen.covered_px[column]
+            reached = rasterized_triangles(geometry[..., 1], covered_px, seen.inside_share[column])
+            cost = cost + self.rasterized_ms * reached
         return cost
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError
 from .arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
 from .cells import Cells
-from .cost import CostModel
+from .cost import DISC_SHARE, CostModel
 from .levels import LevelTable
 from .motion import Motion
 from .rotation import rotate
@@ -32,12 +32,16 @@ class ObjectTypes:
     radius_m : (K,) float64
         Radius of the bounding sphere before scale; positive.
     levels : LevelTable
+    disc_share : (K,) float64
+        Share of the bounding sphere's disc that the type covers, in (0, 1]; `DISC_SHARE` where it
+        was not measured.
     """
 
     names: tuple[str, ...]
     center_m: FloatArray
     radius_m: FloatArray
     levels: LevelTable
+    disc_share: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         k = len(self.names)
@@ -46,6 +50,10 @@ class ObjectTypes:
         put(self, "radius_m", frozen_array(self.radius_m, np.float64, (k,), "type radius_m"))
         require_finite(self.center_m, "type center_m")
         require_finite(self.radius_m, "type radius_m", low=np.finfo(float).tiny)
+        share = self.disc_share if len(self.disc_share) else np.full(k, DISC_SHARE)
+        put(self, "disc_share", frozen_array(share, np.float64, (k,), "type disc_share"))
+        if not ((self.disc_share > 0.0) & (self.disc_share <= 1.0)).all():
+            raise InputError("type disc_share: expected shares above 0 to 1, got others")
         if len(self.levels.start) != k + 1:
             got = len(self.levels.start) - 1
             raise InputError(f"levels: expected {k} types as in names, got {got}")

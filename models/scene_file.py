@@ -108,7 +108,8 @@ def write_scene(
         arrays |= {f"motion/{name}": getattr(scene.motion, name) for name in _MOTION}
     if scene.cells is not None:
         arrays |= {f"cells/{name}": getattr(scene.cells, name) for name in _CELLS}
-    arrays |= {f"types/{name}": getattr(scene.types, name) for name in ("center_m", "radius_m")}
+    for name in ("center_m", "radius_m", "disc_share"):
+        arrays[f"types/{name}"] = getattr(scene.types, name)
     arrays |= {f"levels/{name}": getattr(scene.types.levels, name) for name in _LEVELS}
     arrays["levels/counts"] = scene.types.levels.counts
     encoded = msgspec.json.format(msgspec.json.encode(header), indent=1)
@@ -192,7 +193,10 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
     )
     center = archive.array("types/center_m", np.float64, 2)
     radius = archive.array("types/radius_m", np.float64, 1)
-    types = ObjectTypes(header.types, center, radius, levels)
+    share = np.zeros(0)  # not measured: files of before have none
+    if "types/disc_share" in archive:
+        share = archive.array("types/disc_share", np.float64, 1)
+    types = ObjectTypes(header.types, center, radius, levels, share)
     scene = Scene(name=header.name, types=types, motion=motion, cells=cells, **nodes)
     farthest = max(float(np.abs(scene.center_m).max()), float(scene.radius_m.max()))
     if not farthest <= _MAX_DISTANCE_M:

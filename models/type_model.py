@@ -10,6 +10,7 @@ from .geometry import Geometry
 from .levels import LevelTable
 from .predictors import LEVEL_PREDICTORS
 from .scene import ObjectTypes
+from .silhouette import disc_share
 
 __all__ = ["TypeModel", "gather_types"]
 
@@ -64,7 +65,8 @@ def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:
     center = np.stack([model.center_m for model in models])
     radius = np.array([model.radius_m for model in models])
     names = _numbered([model.name for model in models])
-    return ObjectTypes(names, center, radius, levels), geometry
+    shares = [disc_share(m.meshes[0], m.center_m, m.radius_m) for m in models]
+    return ObjectTypes(names, center, radius, levels, np.array(shares)), geometry
 
 
 def _numbered(names: Sequence[str]) -> tuple[str, ...]:

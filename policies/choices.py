@@ -120,8 +120,7 @@ class LevelChoices:
     def offer(self, view: View, weight: Weight) -> Offer:
         """Return the levels of a view's candidates."""
         kind = view.type_index
-        area_px = view.area_px[:, None]
-        cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], area_px)
+        cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], view)
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
         fixed_ms = _fixed_ms(self._costs, view)
@@ -181,9 +180,7 @@ class _Fronts:
         deepest, coarser = self._deepest[view.ids], self._coarser[view.ids]
         for depth in range(-int(self._coarser.max()), int(self._deepest.max()) + 1):
             level = self._level_row(nodes, depth)
-            node_ms = self._costs.object_ms(
-                self._linear_ms[level], self._geometry_ms[level], seen.area_px
-            )
+            node_ms = self._costs.object_ms(self._linear_ms[level], self._geometry_ms[level], seen)
             member = self._member(nodes, max(depth, 0))
             has = (depth <= deepest) & (-depth <= coarser)
             total = np.bincount(row[member], node_ms[member], minlength=n)

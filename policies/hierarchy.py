@@ -148,7 +148,7 @@ class NodeCosts:
     def node_ms(self, view: View) -> FloatArray:
         """Return what each node of a view adds to the frame, (m,)."""
         linear, geometry = self._linear_ms[view.ids], self._geometry_ms[view.ids]
-        return self._costs.object_ms(linear, geometry, view.area_px)
+        return self._costs.object_ms(linear, geometry, view)
 
     def fixed_ms(self, view: View) -> float:
         """Return what the frame takes whatever is drawn: an upper bound as to shared types."""

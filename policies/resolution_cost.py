@@ -14,7 +14,6 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.arrays import FloatArray, IntArray
-from ..models.cost import DISC_SHARE
 from ..models.levels import LevelTable
 from ..models.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
 from ..models.scene import Scene
@@ -139,7 +138,8 @@ class ResolutionCosts:
         Their number is concave in the resolution, so that every tangent lies above it.  This one
         touches where a triangle is as large as a sample.
         """
-        triangles, samples = self._full[view.type_index], DISC_SHARE * view.area_px
+        triangles = self._full[view.type_index] * view.inside_share
+        samples = view.covered_px
         at = np.clip(samples / np.maximum(triangles, 1.0), bottom, 1.0)
         share = samples / np.maximum(at * triangles, 1e-9)
         reached = -np.expm1(-share)
@@ -153,7 +153,7 @@ class ResolutionCosts:
         row, fraction = self._levels.position(view.type_index, detail)
         linear = self._levels.interpolate(self._linear, row, fraction)
         geometry = self._levels.interpolate(self._geometry, row, fraction)
-        objects_ms = self._costs.object_ms(linear, geometry, view.area_px)
+        objects_ms = self._costs.object_ms(linear, geometry, view)
         return self.frame_ms(view) + float(objects_ms.sum())
 
     def detail(self, view: View, resolution: FloatArray) -> FloatArray:

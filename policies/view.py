@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,6 @@ from ..models.scene import Scene
 from .selection import Selection
 
 __all__ = ["Completed", "FrameState", "View"]
-
-_Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 class Completed:
@@ -115,28 +113,31 @@ class FrameState:
     previous_centers_m: FloatArray | None = None
 
 
-class _PerNode(Generic[_Array]):
+class _PerNode:
     """An array that is computed when first asked for, then kept, read-only.
 
     `functools.cached_property` takes a lock at that time in Python 3.11, which costs more than
     some of these arrays.
     """
 
-    def __init__(self, compute: Callable[[Any], _Array]) -> None:
+    def __init__(self, compute: Callable[[Any], NDArray[Any]]) -> None:
         self._compute, self._name = compute, compute.__name__
         self.__doc__ = compute.__doc__
 
-    @overload
-    def __get__(self, view: None, owner: type) -> "_PerNode[_Array]": ...
-    @overload
-    def __get__(self, view: "View", owner: type) -> _Array: ...
-    def __get__(self, view: "View | None", owner: type) -> "_PerNode[_Array] | _Array":
+    def __get__(self, view: Any, owner: type) -> Any:
         if view is None:
             return self
         array = self._compute(view)
         array.flags.writeable = False
         view.__dict__[self._name] = array  # found before this descriptor from now on
         return array
+
+
+if TYPE_CHECKING:
+    # What it is to a reader: a protocol of properties, such as `Footprint`, accepts it.
+    per_node = property
+else:
+    per_node = _PerNode
 
 
 class View:
@@ -195,17 +196,17 @@ class View:
         """The policy's own last selection."""
         return self.state.previous
 
-    @_PerNode
+    @per_node
     def type_index(self) -> IntArray:
         """Type of each node, (m,)."""
         return self.state.scene.type_index.take(self.ids)
 
-    @_PerNode
+    @per_node
     def radius_m(self) -> FloatArray:
         """Radius of each bounding sphere, (m,)."""
         return self.state.scene.radius_m.take(self.ids)
 
-    @_PerNode
+    @per_node
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
         x, y, z = self.xyz_m
@@ -214,23 +215,52 @@ class View:
         square += z * z
         return np.sqrt(square, out=square)
 
-    @_PerNode
+    @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
         gap = self.distance_m - self.radius_m
         return np.maximum(gap, self.camera.near_m, out=gap)
 
-    @_PerNode
+    @per_node
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
         return projected_area_px(self.xyz_m[2], self.distance_m, self.radius_m, self.camera)
 
-    @_PerNode
+    @per_node
+    def inside_share(self) -> FloatArray:
+        """Share of each sphere's box in the picture that lies within the viewport, (m,).
+
+        A sphere that reaches the near plane has no such box, and counts half.
+        """
+        camera, radius = self.camera, self.radius_m
+        depth = np.maximum(self.xyz_m[2], camera.near_m)
+        half = radius * camera.focal_px / depth
+        share = np.ones(len(self.ids))
+        for axis, side_px in ((0, camera.width_px), (1, camera.height_px)):
+            middle = self.xyz_m[axis] * camera.focal_px / depth
+            edge = side_px / 2.0
+            length = np.minimum(middle + half, edge) - np.maximum(middle - half, -edge)
+            share *= np.clip(length / (2.0 * half), 0.0, 1.0)
+        share[self.xyz_m[2] - radius <= camera.near_m] = 0.5
+        return share
+
+    @per_node
+    def covered_px(self) -> FloatArray:
+        """Number of samples that each node should cover of its disc in the viewport, (m,)."""
+        camera, radius = self.camera, self.radius_m
+        limit = float(camera.viewport_px)
+        gap = np.maximum(self.xyz_m[2] ** 2 - radius**2, 1e-30)
+        seen_px = self.inside_share * (math.pi * (camera.focal_px * radius) ** 2 / gap)
+        np.minimum(seen_px, limit, out=seen_px)
+        seen_px[self.xyz_m[2] - radius <= camera.near_m] = limit
+        return self.state.scene.types.disc_share.take(self.type_index) * seen_px
+
+    @per_node
     def eccentricity_deg(self) -> FloatArray:
         """Angle between the view axis and each centre, (m,)."""
         return eccentricity_deg(self.xyz_m[2], self.distance_m)
 
-    @_PerNode
+    @per_node
     def speed_deg_s(self) -> FloatArray:
         """Apparent angular speed of each centre since the last frame, (m,); 0 in the first."""
         before, step_s = self.state.previous_camera, self.state.step_s
@@ -244,17 +274,17 @@ class View:
         cosine = np.einsum("ij,ij->j", old, self.xyz_m)
         return np.degrees(np.arctan2(sine, cosine)) / step_s
 
-    @_PerNode
+    @per_node
     def previous_detail(self) -> FloatArray:
         """Detail at which each node was last drawn, NaN if never, (m,)."""
         return self.state.last_detail.take(self.ids)
 
-    @_PerNode
+    @per_node
     def inside(self) -> BoolArray:
         """Whether each bounding sphere meets the frustum, (m,); nodes outside are never drawn."""
         return self.state.inside.take(self.ids)
 
-    @_PerNode
+    @per_node
     def resident(self) -> BoolArray:
         """Whether each node's data are in memory, (m,)."""
         everything = self.state.residency

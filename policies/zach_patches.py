@@ -145,7 +145,7 @@ class Patches:
     def _level_ms(self, seen: View, level: IntArray) -> FloatArray:
         linear, geometry = self._level_costs
         row = self.scene.types.levels.start[seen.type_index][:, None] + level
-        return self.costs.object_ms(linear[row], geometry[row], seen.area_px[:, None])
+        return self.costs.object_ms(linear[row], geometry[row], seen)
 
     def _layers(self, ids: IntArray) -> IntArray:
         depth = self._depth[ids]

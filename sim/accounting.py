@@ -60,13 +60,15 @@ class Accounting:
         px_per_m = self._scene.scale.take(seen.ids)
         px_per_m *= view.camera.focal_px
         px_per_m /= seen.nearest_m
-        return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m)
+        reach = (seen.covered_px, seen.inside_share) if self._costs.rasterized_ms else ()
+        return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m, *reach)
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
         row, area_px = self._finest.take(view.type_index), view.area_px
         samples = float(area_px.sum())
-        return self._price(self._times_drawn(row, None), row, None, area_px, samples, 1.0)[2]
+        reach = (view.covered_px, view.inside_share) if self._costs.rasterized_ms else None
+        return self._price(self._times_drawn(row, None), row, None, area_px, reach, samples, 1.0)[2]
 
     def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included.
@@ -74,18 +76,25 @@ class Accounting:
         Shaded samples and the framebuffer's pixels go with the square of the render scale.
         """
         row, fraction, area_px = drawn.row, drawn.fraction, drawn.area_px
+        reach = None
+        if drawn.covered_px is not None and drawn.inside is not None:
+            reach = drawn.covered_px, drawn.inside
         at, old_row = self.switches.fading(time_ns, drawn.ids)
         if len(at):
             row = np.concatenate((row, old_row))
             area_px = np.concatenate((area_px, area_px[at]))
+            if reach is not None:
+                covered_px, inside = (np.concatenate((column, column[at])) for column in reach)
+                reach = covered_px, inside
             if fraction is not None:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
         pixel_share = render_scale * render_scale
         if pixel_share != 1.0:
             area_px = pixel_share * area_px
+            reach = None if reach is None else (pixel_share * reach[0], reach[1])
         times_drawn, samples = self._times_drawn(row, fraction), float(area_px.sum())
         changes, reached, ms = self._price(
-            times_drawn, row, fraction, area_px, samples, pixel_share
+            times_drawn, row, fraction, area_px, reach, samples, pixel_share
         )
         # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
         counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
@@ -97,22 +106,27 @@ class Accounting:
         row: NDArray[np.int64],
         fraction: FloatArray | None,
         area_px: FloatArray,
+        reach: tuple[FloatArray, FloatArray] | None,
         samples: float,
         pixel_share: float,
     ) -> tuple[int, float, float]:
-        """Return state changes, triangles that reach a sample, and milliseconds."""
+        """Return state changes, triangles that reach a sample (NaN if free), and milliseconds."""
         costs = self._costs
         changes = int(np.count_nonzero(np.add.reduceat(times_drawn, self._finest)))
         ms = costs.base_ms + float((times_drawn * self._level_ms).sum())
         ms += samples * self._sample_ms + pixel_share * self._framebuffer_ms
         ms += changes * self._change_ms
+        if not costs.has_roofline and reach is None:
+            return changes, np.nan, ms
         geometry = self._geometry.take(row, axis=0)
         if fraction is not None:
             geometry = self._levels.interpolate(self._geometry, row, fraction)
         if costs.has_roofline:
             pixels = area_px * costs.roofline_ms[SHADED_SAMPLES]
             ms += float(np.maximum(geometry[:, 0], pixels).sum())
-        reached = float(rasterized_triangles(geometry[:, 1], area_px).sum())
+        if reach is None:
+            return changes, np.nan, ms
+        reached = float(rasterized_triangles(geometry[:, 1], *reach).sum())
         return changes, reached, ms + reached * costs.rasterized_ms
 
     def _times_drawn(self, row: NDArray[np.int64], fraction: FloatArray | None) -> FloatArray:

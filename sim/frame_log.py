@@ -28,7 +28,7 @@ TIMES = (
 COUNTS = (
     *LEVEL_PREDICTORS,  # of everything drawn, cross-fades included
     "shaded_samples",
-    "rasterized_triangles",
+    "rasterized_triangles",  # NaN where the cost model does not charge them
     "state_changes",
     "visible",  # objects, or leaves of a tree, in the frustum
     "drawn",  # nodes drawn

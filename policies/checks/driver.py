@@ -168,7 +168,7 @@ def frame_ms(view: View, drawn: Selection) -> float:
     share = drawn.render_scale**2
     seen = view.at(drawn.ids)
     linear, geometry = (_levelled(view, drawn, column) for column in costs.level_ms(levels))
-    ms = costs.base_ms + float(costs.object_ms(linear, geometry, share * seen.area_px).sum())
+    ms = costs.base_ms + float(costs.object_ms(linear, geometry, seen, share).sum())
     ms += share * view.camera.viewport_px * float(costs.linear_ms[FRAMEBUFFER_PIXELS])
     return ms + len(np.unique(seen.type_index)) * float(costs.linear_ms[STATE_CHANGES])
 

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...models.cost import rasterized_triangles
+from ...models.predictors import LEVEL_PREDICTORS
 from ...models.tree import Tree
 from ...policies.view import View
 from ..machine import FrameTimes, Submitted
@@ -23,13 +25,21 @@ __all__ = ["MEASURED", "GlMachine", "picture_of"]
 MEASURED = (
     *Counts.__dataclass_fields__,
     "shaded_samples",
+    "rasterized_triangles",
     "cpu_ms",
     "gpu_ms",
     "frame_ms",
     "frame_ms_low",
     "frame_ms_high",
 )
-"""Columns of `GlMachine.rows`: counts, then medians of the repeats, then their extremes."""
+"""Columns of `GlMachine.rows`: counts, then medians of the repeats, then their extremes.
+
+All are the renderer's own but ``rasterized_triangles``, which no query tells: it is expected by the
+cost model of what was drawn.
+"""
+
+
+_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 
 
 class GlMachine:
@@ -75,7 +85,8 @@ class GlMachine:
 
     def run(self, frame: Submitted) -> FrameTimes:
         """Draw the frame; return what it took."""
-        ready = self._renderer.prepare(picture_of(frame))
+        picture = picture_of(frame)
+        ready = self._renderer.prepare(picture)
         if not self._rows:
             self.doubt = doubt_timer(self._device, self._drawn(ready, max(1, self._warmup)))
         timings = self._drawn(ready, self._repeats)
@@ -83,9 +94,9 @@ class GlMachine:
         middle = np.median(times, axis=0)
         if middle[1] > 1.05 * middle[2]:
             middle[1] = np.nan  # a counter that ran over
-        samples = timings[-1].shaded_samples
+        samples = timings[-1].shaded_samples, _expected(frame, picture)
         self._rows.extend(astuple(self._renderer.count(ready)))
-        self._rows.extend((samples, *middle, times[:, 2].min(), times[:, 2].max()))
+        self._rows.extend((*samples, *middle, times[:, 2].min(), times[:, 2].max()))
         return FrameTimes(0.0, 0.0, float(middle[2]) if self._step_ms is None else self._step_ms)
 
     def rows(self) -> dict[str, NDArray[np.float64]]:
@@ -102,6 +113,15 @@ class GlMachine:
     def _drawn(self, frame: Frame, count: int) -> list[Timing]:
         with _no_collection():
             return [self._renderer.draw(frame) for _ in range(count)]
+
+
+def _expected(frame: Submitted, picture: Picture) -> float:
+    """Return how many of the triangles drawn should reach a sample."""
+    view, scale = frame.view, frame.selection.render_scale
+    seen = view if picture.ids is view.ids else view.at(picture.ids)
+    triangles = view.scene.types.levels.counts[picture.row, _TRIANGLES]
+    covered_px = scale * scale * seen.covered_px
+    return float(rasterized_triangles(triangles, covered_px, seen.inside_share).sum())
 
 
 def picture_of(frame: Submitted, *, full: bool = False) -> Picture:

@@ -24,7 +24,6 @@ from .machine import GlMachine
 __all__ = ["Recording", "header_of", "record", "recorded_hardware"]
 
 _FROM_LOG = {
-    "rasterized_triangles": "rasterized_triangles",
     "projected_px": "shaded_samples",  # the simulator's count of them
     "levels_changed": "toggles",
     "objects_visited": "objects_visited",

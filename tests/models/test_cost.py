@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from lodbench.errors import InputError
-from lodbench.models.cost import DISC_SHARE, CostModel, CpuCostModel, rasterized_triangles
+from lodbench.models.arrays import FloatArray
+from lodbench.models.cost import CostModel, CpuCostModel, rasterized_triangles
 from lodbench.models.levels import LevelTable
 from lodbench.models.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
@@ -26,6 +28,14 @@ def test_coefficients_stand_in_the_order_of_the_predictors() -> None:
     assert cpu.linear_ms[CPU_PREDICTORS.index("comparisons")] == 5.0
 
 
+class Seen(NamedTuple):
+    """A footprint."""
+
+    area_px: FloatArray
+    covered_px: FloatArray
+    inside_share: FloatArray
+
+
 def test_costs_of_levels_and_objects_by_hand(make_levels: MakeLevels) -> None:
     """Linear and pixel costs add up; of geometry and pixels in the roofline the larger counts."""
     model = CostModel.of(
@@ -36,7 +46,8 @@ def test_costs_of_levels_and_objects_by_hand(make_levels: MakeLevels) -> None:
     linear, geometry = model.level_ms(make_levels([(1000, 100)]))
     assert linear == pytest.approx([1.5, 0.6])
     assert geometry == pytest.approx(np.array(((2.0, 1000.0), (0.2, 100.0))))
-    cost = model.object_ms(linear, geometry, np.array([50.0, 50.0]))
+    area = np.array([50.0, 50.0])
+    cost = model.object_ms(linear, geometry, Seen(area, area, np.ones(2)))
     assert cost == pytest.approx([1.5 + 0.005 + 2.0, 0.6 + 0.005 + 0.5])
 
 
@@ -45,23 +56,25 @@ def test_rasterized_triangles_by_simulation() -> None:
     rng = np.random.default_rng(1)
     triangles, samples = 200, 150
     hit = [len(np.unique(rng.integers(triangles, size=samples))) for _ in range(4000)]
-    area = np.array([samples / DISC_SHARE])
-    expected = rasterized_triangles(np.array([float(triangles)]), area)
+    covered = np.array([float(samples)])
+    expected = rasterized_triangles(np.array([float(triangles)]), covered, np.ones(1))
     assert expected[0] == pytest.approx(np.mean(hit), rel=0.003)
 
 
 def test_rasterized_triangles_have_their_limits() -> None:
-    """Far away each sample reaches its own triangle; near by all are reached; none stay none."""
-    triangles = np.array([1e6, 10.0, 0.0])
-    found = rasterized_triangles(triangles, np.array([100.0, 1e6, 100.0]))
-    assert found == pytest.approx([100.0 * DISC_SHARE, 10.0, 0.0], rel=1e-4)
+    """Far away each sample reaches its own triangle; near by all in the picture are."""
+    triangles = np.array([1e6, 10.0, 0.0, 10.0])
+    covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
+    found = rasterized_triangles(triangles, covered, inside)
+    assert found == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
 
 
 def test_rasterized_triangles_are_charged_each(make_levels: MakeLevels) -> None:
     """A cost per rasterized triangle is added for what the level and the view come to."""
     model = CostModel.of(0.0, {"triangles": 1e-3, "rasterized_triangles": 1e-2})
     linear, geometry = model.level_ms(make_levels([(100,)]))
-    cost = model.object_ms(linear, geometry, np.array([250.0]))
+    covered = np.array([100.0])
+    cost = model.object_ms(linear, geometry, Seen(covered, covered, np.ones(1)))
     assert cost == pytest.approx([0.1 + 1.0 * -math.expm1(-1.0)])
 
 

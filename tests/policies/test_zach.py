@@ -56,7 +56,7 @@ def true_ms(view: View, selection: Selection, costs: CostModel) -> float:
     levels, seen = view.scene.types.levels, view.at(selection.ids)
     row, fraction = levels.position(seen.type_index, selection.detail)
     linear, geometry = (levels.interpolate(c, row, fraction) for c in costs.level_ms(levels))
-    return costs.base_ms + float(costs.object_ms(linear, geometry, seen.area_px).sum())
+    return costs.base_ms + float(costs.object_ms(linear, geometry, seen).sum())
 
 
 @pytest.fixture

@@ -31,7 +31,7 @@ class FinestThatFits:
         for level in range(levels.level_count.max()):
             detail = np.minimum(level, levels.level_count[kind] - 1.0)
             row = levels.start[kind] + detail.astype(np.int32)
-            ms = fixed_ms + costs.object_ms(linear[row], geometry[row], view.area_px).sum()
+            ms = fixed_ms + costs.object_ms(linear[row], geometry[row], view).sum()
             if ms <= self.target_ms:
                 break
         return Selection(view.ids, detail, Work(objects_visited=len(view)), predicted_ms=float(ms))
