@@ -246,7 +246,7 @@ class View:
 
     @per_node
     def covered_px(self) -> FloatArray:
-        """Number of samples that each node should cover of its disc in the viewport, (m,)."""
+        """Pixels that each node should cover of its disc in the viewport, (m,)."""
         camera, radius = self.camera, self.radius_m
         limit = float(camera.viewport_px)
         gap = np.maximum(self.xyz_m[2] ** 2 - radius**2, 1e-30)

@@ -40,6 +40,23 @@ def test_geometry_by_hand(make_scene: MakeScene, make_view: MakeView) -> None:
     assert view.area_px == pytest.approx([area])
 
 
+def test_what_is_in_the_picture_by_hand(make_scene: MakeScene, make_view: MakeView) -> None:
+    """A box from 12.5 to 62.5 px right of the middle is cut at 50: three quarters are left."""
+    view = make_view(make_scene([(3.0, 0.0, -4.0), (0.0, 0.0, -40.0)], radius_m=2.0))
+    assert view.inside_share == pytest.approx([0.75, 1.0])
+    whole = math.pi * 100.0**2 / (np.array([16.0, 1600.0]) - 4.0)
+    assert view.covered_px == pytest.approx(0.4 * np.array([0.75, 1.0]) * whole)
+
+
+def test_a_sphere_about_the_eye_counts_half_and_covers_its_share_of_the_picture(
+    make_scene: MakeScene, make_view: MakeView
+) -> None:
+    """A sphere that reaches the near plane has no box in the picture."""
+    view = make_view(make_scene([(0.0, 0.0, -1.0)], radius_m=5.0))
+    assert view.inside_share.tolist() == [0.5]
+    assert view.covered_px == pytest.approx([0.4 * 10_000.0])
+
+
 def test_inside_a_sphere_the_nearest_point_is_the_near_plane(
     make_scene: MakeScene, make_view: MakeView
 ) -> None:
