@@ -26,7 +26,7 @@ TERMS = "draw_calls,triangles,rasterized_triangles,framebuffer_pixels"
 WITHOUT = "draw_calls,triangles,framebuffer_pixels"
 HELD = ("frame_ms_mean", "frame_ms_sd", "over_budget_fraction", "lag_ms_mean", "sse_px_p95")
 PICTURED = ("static-distance", "static-screen", "feedback", "lodmanager", "funkhouser", "gobbetti")
-BUDGET_MS, SECONDS = "5", "10"
+BUDGET_MS, SECONDS, SIZE = "5", "10", ("--size", "640x360")
 
 
 def lodbench(*arguments: str) -> None:
@@ -39,9 +39,8 @@ def lodbench(*arguments: str) -> None:
 def measure(folder: Path) -> None:
     """Calibrate on one scene, validate on another, and compare pictures along a walk."""
     log, profile = folder / "llvmpipe.parquet", folder / "llvmpipe.toml"
-    size = ("--size", "640x360")
     lodbench(
-        "record", "--calibrate", "--scene", "plaza", "--trace", "tour", *size, "--out", f"{log}"
+        "record", "--calibrate", "--scene", "plaza", "--trace", "tour", *SIZE, "--out", f"{log}"
     )
     lodbench("fit", f"{log}", "--terms", TERMS, "--target", "frame_ms", "--out", f"{profile}")
     poor = folder / "without.toml"
@@ -51,11 +50,17 @@ def measure(folder: Path) -> None:
     lodbench("validate", *same, "--hardware", f"{profile}", "--out", f"{first}")
     again = ("--recorded", f"{first}", "--out", f"{folder / 'without'}")
     lodbench("validate", *same, "--hardware", f"{poor}", *again)
+    picture(folder)
+
+
+def picture(folder: Path) -> None:
+    """Compare pictures of each policy with full detail along a walk."""
+    profile = folder / "llvmpipe.toml"
+    (folder / "images").mkdir(exist_ok=True)
     for policy in PICTURED:
-        pictures = ("--images", f"{folder / 'images' / policy}", "--image-every", "60")
-        walk = ("--scene", "market", "--trace", "walk", "--budget-ms", BUDGET_MS, *size)
-        out = ("--frames", "1200", "--repeats", "1", "--out", f"{folder / 'walk.parquet'}")
-        (folder / "images").mkdir(exist_ok=True)
+        pictures = ("--images", f"{folder / 'images' / policy}", "--image-every", "250")
+        walk = ("--scene", "market", "--trace", "walk", "--budget-ms", BUDGET_MS, *SIZE)
+        out = ("--repeats", "1", "--out", f"{folder / 'walk.parquet'}")
         lodbench("record", *walk, "--hardware", f"{profile}", "--policy", policy, *pictures, *out)
 
 

@@ -18,6 +18,7 @@ Table: TypeAlias = dict[str, NDArray[np.float64]]
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#555555")
 MEASURED, SIMULATED = "#D55E00", "#0072B2"
 WARMUP = 30
+SHOWN = 0.62  # of the height: below the horizon there is no ground
 
 
 def read_table(path: Path) -> Table:
@@ -62,22 +63,26 @@ def draw_similarity(tables: dict[str, Table], path: Path) -> None:
 
 
 def draw_pictures(folder: Path, tables: dict[str, Table], path: Path) -> None:
-    """Put below one another the worst picture of three policies: drawn, full, difference."""
+    """Draw the worst picture of three policies: as drawn, in full detail, and the difference."""
     from PIL import Image
 
     worst = sorted(tables, key=lambda policy: float(tables[policy]["ssim"].min()))
     chosen = (worst[0], worst[len(worst) // 2], worst[-1])
-    rows: list[Any] = []
-    for policy in chosen:
+    plt = _pyplot()
+    figure, axes = plt.subplots(3, 3, figsize=(9, 3.9))
+    for row, policy in zip(axes, chosen, strict=True):
         frame = int(tables[policy]["frame"][tables[policy]["ssim"].argmin()])
-        picture = Image.open(folder / policy / f"frame-{frame:06}.png")
-        rows.append(picture.resize((1200, round(1200 * picture.height / picture.width))))
-    canvas = Image.new("RGB", (1200, sum(row.height + 8 for row in rows)), "white")
-    top = 0
-    for row in rows:
-        canvas.paste(row, (0, top))
-        top += row.height + 8
-    canvas.save(path)
+        picture = np.asarray(Image.open(folder / policy / f"frame-{frame:06}.png"))
+        parts = np.split(picture[: int(SHOWN * len(picture))], 3, axis=1)
+        for axis, part in zip(row, parts, strict=True):
+            axis.imshow(part)
+            axis.set_xticks([])
+            axis.set_yticks([])
+        row[0].set_ylabel(policy, fontsize=7)
+    titles = ("as drawn", "in full detail", "difference, the darker the more")
+    for axis, title in zip(axes[0], titles, strict=True):
+        axis.set_title(title, fontsize=8)
+    _save(figure, path)
 
 
 def _pyplot() -> Any:

@@ -103,9 +103,9 @@ class PictureMachine:
 
 
 def _write(path: Path, drawn: NDArray[np.uint8], full: NDArray[np.uint8]) -> None:
-    """Write both pictures side by side, and their difference, brightened and inverted."""
+    """Write both pictures side by side, and their difference: the darker the more."""
     from PIL import Image
 
-    gap = np.abs(full.astype(np.int16) - drawn.astype(np.int16))
-    shown = 255 - np.clip(_GAIN * gap, 0, 255).astype(np.uint8)
+    gap = np.abs(full.astype(np.int16) - drawn.astype(np.int16)).max(axis=2, keepdims=True)
+    shown = 255 - np.clip(_GAIN * np.repeat(gap, 3, axis=2), 0, 255).astype(np.uint8)
     Image.fromarray(np.concatenate((drawn, full, shown), axis=1)).save(path)

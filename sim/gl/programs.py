@@ -72,5 +72,5 @@ def checker(context: "moderngl.Context") -> "moderngl.Texture":
 def palette(count: int) -> list[tuple[float, float, float]]:
     """Return a colour for each of `count` types, of even lightness."""
     turn = 2.0 * np.pi * (0.618034 * np.arange(count) + 0.08)
-    rgb = 0.62 + 0.22 * np.cos(turn[:, None] - 2.0 * np.pi * np.arange(3) / 3.0)
+    rgb = 0.7 + 0.2 * np.cos(turn[:, None] - 2.0 * np.pi * np.arange(3) / 3.0)
     return [(float(r), float(g), float(b)) for r, g, b in rgb]

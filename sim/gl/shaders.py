@@ -77,8 +77,8 @@ void main() {
 #ifdef TEXTURED
     base *= texture(image, uv).rgb;
 #endif
-    float diffuse = max(dot(n, LIGHT), 0.0);
+    float diffuse = 0.5 + 0.5 * dot(n, LIGHT);  // half Lambert: sides in the shade keep their shape
     float highlight = pow(max(dot(n, normalize(LIGHT + to_eye)), 0.0), 32.0);
-    pixel = vec4(base * (0.25 + 0.75 * diffuse) + 0.2 * highlight, 1.0);
+    pixel = vec4(base * (0.3 + 0.7 * diffuse) + 0.2 * highlight, 1.0);
 }
 """
