@@ -1,5 +1,7 @@
 """A folder of pictures beside full detail, with a table that sets metrics against them."""
 
+import os
+import re
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -11,7 +13,7 @@ from .recording import Recorded
 
 __all__ = ["ImageFolder", "image_folder"]
 
-_TABLE = "images.csv"
+_TABLE, _PICTURE = "images.csv", re.compile(r"frame-\d+\.png")
 _METRICS = ("sse_px_p95", "sse_px_max", "popping_px", "triangles", "drawn")
 
 
@@ -47,7 +49,7 @@ def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]
     require_images()
     if path.exists():
         others = sorted(p.name for p in path.iterdir()) if path.is_dir() else [path.name]
-        others = [name for name in others if name != _TABLE and not name.startswith("frame-")]
+        others = [name for name in others if name != _TABLE and not _PICTURE.fullmatch(name)]
         if others or not path.is_dir():
             raise InputError(
                 "expected a new folder or one that `lodbench record` wrote, got one that holds "
@@ -55,8 +57,14 @@ def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]
                 path=path,
             )
     parent = path.absolute().parent
-    if not parent.is_dir():
-        raise InputError("expected a folder to write to, got none of that name", path=parent)
+    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
+        raise InputError(
+            "expected a folder that can be written to, got none; name another", path=parent
+        )
+    if not path.name or path.absolute() == Path.cwd():
+        raise InputError(
+            "expected a folder of its own for pictures, got this one; name another", path=path
+        )
     with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=parent) as scratch:
         partial, before = Path(scratch) / "new", Path(scratch) / "old"
         partial.mkdir()

@@ -1,6 +1,6 @@
 """Record replays on a real renderer: what `lodbench record` and `lodbench validate` share."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,13 +18,22 @@ from ..sim.gl.calibration import Calibration
 from ..sim.gl.context import Device, Target, open_target
 from ..sim.gl.images import Comparison, PictureFolder, PictureMachine
 from ..sim.gl.machine import GlMachine
-from ..sim.gl.record import header_of, record
+from ..sim.gl.record import check_policy, header_of, record
 from ..sim.gl.renderer import Renderer
 from ..sim.machine import FrameTimes, Machine, Submitted
 from ..sim.replay import ReplayOptions
 from ..traces.camera import CameraTrace
 
-__all__ = ["CALIBRATION", "RecordOptions", "Recorded", "Recorder", "open_recorder", "summary_of"]
+__all__ = [
+    "CALIBRATION",
+    "RecordOptions",
+    "Recorded",
+    "Recorder",
+    "conditions",
+    "open_recorder",
+    "require_recordable",
+    "summary_of",
+]
 
 CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
@@ -111,12 +120,8 @@ class Recorder:
         if progress is not None:
             machine = _Told(machine, progress, options.frames, trace.duration_s)
         found = record(policy, self._scene, trace, hardware, options, machine, measuring, name=name)
-        about = {
-            "resolution": f"{hardware.display.width_px}x{hardware.display.height_px}",
-            "scene": self._scene.name,
-            "trace": trace.name,
+        about = conditions(self._scene, trace, hardware, options) | {
             "policy": name,
-            "budget_ms": f"{options.budget_ms:g}",
             "seed": str(options.seed),
             "draws": "instanced" if how.instancing else "each object",
             "repeats": str(how.repeats),
@@ -144,6 +149,27 @@ def open_recorder(
         yield Recorder(target, scene, how)
     finally:
         target.close()
+
+
+def conditions(
+    scene: Scene, trace: CameraTrace, hardware: HardwareProfile, options: ReplayOptions
+) -> dict[str, str]:
+    """Return what recordings have to share to be compared, as the headers of their logs say it."""
+    start = ", ".join(f"{value:.6g}" for value in trace.pose_at(0.0).position_m)
+    return {
+        "resolution": f"{hardware.display.width_px}x{hardware.display.height_px}",
+        "scene": scene.name,
+        "trace": trace.name,
+        "trace_s": f"{trace.duration_s:.6g}",
+        "start_m": start,
+        "budget_ms": f"{options.budget_ms:.6g}",
+    }
+
+
+def require_recordable(labels: Sequence[str], scene: Scene) -> None:
+    """Raise InputError if a policy cannot be recorded in a scene, before any is."""
+    for label in labels:
+        check_policy(parse_policy(label).make(), scene, label)
 
 
 def _require_flat(scene: Scene) -> None:

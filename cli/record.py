@@ -90,8 +90,11 @@ def record(
     check_log_path(out)
     if frame_log is not None:
         check_log_path(frame_log, (".parquet",))
-        if frame_log.absolute() == out.absolute():
+        if frame_log.resolve() == out.resolve():
             raise InputError("--frame-log: expected another file than --out, got the same")
+    for file in (out, frame_log):
+        if images is not None and file is not None:
+            _require_apart(file.resolve(), images.resolve())
     if (policy is None) is not calibrate:
         got = "both" if calibrate else "neither"
         raise InputError(f"record: expected --policy or --calibrate, got {got}; give one")
@@ -122,10 +125,21 @@ def record(
     _print(summary_of(found), as_json=as_json)
 
 
+def _require_apart(file: Path, images: Path) -> None:
+    """Refuse a log inside the folder of pictures, which is replaced as a whole."""
+    if images == file or images in file.parents:
+        raise InputError(
+            "expected a log outside of the folder of pictures, got one in it; name another",
+            path=file,
+        )
+
+
 def parse_size(text: str) -> tuple[int, int]:
     """Return width and height of ``WIDTHxHEIGHT``; raises InputError for anything else."""
     width, _, height = text.partition("x")
-    if all(side.isdecimal() and 16 <= int(side) <= 16384 for side in (width, height)):
+    if all(
+        side.isascii() and side.isdecimal() and 16 <= int(side) <= 16384 for side in (width, height)
+    ):
         return int(width), int(height)
     raise InputError(f"--size: expected WIDTHxHEIGHT from 16x16 to 16384x16384, got {text}")
 

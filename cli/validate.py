@@ -45,7 +45,9 @@ def validate(
     recorded: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="Take the recordings that an earlier validate wrote there."
+            metavar="DIR",
+            help="Take the recordings that an earlier validate wrote there, with its scene, trace, "
+            "budget and size; how they were drawn is theirs.",
         ),
     ] = None,
     out: Annotated[
@@ -90,10 +92,10 @@ def validate(
     """Hold simulated against measured: errors of frame times, metrics, and order of policies."""
     from ..analysis.compare import CompareOptions
     from ..analysis.inputs import load_trace
-    from ..analysis.recording import RecordOptions
+    from ..analysis.recording import RecordOptions, conditions, require_recordable
     from ..analysis.validation import output, run
     from ..analysis.validation.result import encode
-    from ..analysis.validation.validate import require_other_frames
+    from ..analysis.validation.validate import require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
     from ..models.profile_catalog import load_hardware
     from ..models.scene_catalog import open_scene
@@ -107,6 +109,8 @@ def validate(
         raise InputError("--policy: expected each once, got one twice; name it once")
     if out is not None:
         output.check_folder(out)
+        if recorded is not None and recorded.absolute() in out.absolute().parents:
+            raise InputError("expected a folder beside the recordings, got one in them", path=out)
     profile = load_hardware(hardware)
     display = profile.display
     wanted = (display.width_px, display.height_px) if size is None else parse_size(size)
@@ -115,6 +119,9 @@ def validate(
         opened = open_scene(scene)
     path = run.cut_trace(load_trace(trace, opened.scene, place), seconds)
     require_other_frames(profile, opened.scene.name, path.name)
+    require_priced(profile)
+    require_recordable(labels, opened.scene)
+    scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
     options = ReplayOptions(
         budget_ms=1e3 / display.refresh_hz if budget_ms is None else budget_ms, seed=seed
     )
@@ -125,13 +132,11 @@ def validate(
         with progress_bar("record") as progress:
             found = run.record_all(labels, opened, path, profile, options, how, passes, progress)
     else:
-        found = output.read_recordings(
-            recorded, labels, opened.scene.name, path.name, options.budget_ms
-        )
+        wanted = conditions(opened.scene, path, profile, options)
+        found = output.read_recordings(recorded, labels, wanted)
     measured = {
         label: tuple(map(run.measured_of, recordings)) for label, recordings in found.items()
     }
-    scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
     comparison, pairs = run.simulate_all(labels, opened, path, profile, options, scoring, measured)
     log = {k: v for k, v in found[labels[0]][0].header.items() if k != "policy"}
     validation = compare_sides(comparison, pairs, profile, log)

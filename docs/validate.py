@@ -16,13 +16,14 @@ import numpy as np
 from made import table, write_blocks
 from validation_figures import draw_pictures, draw_series, draw_similarity, read_table
 
+from lodbench.analysis.fit.catalog import bundled_fit
 from lodbench.cli.main import run
 from lodbench.cli.validate import POLICIES
 
 DOCS = Path(__file__).parent
 PROFILE = DOCS.parent / "models" / "profiles" / "llvmpipe.toml"
 LOG = DOCS.parent / "analysis" / "fit" / "logs" / "llvmpipe.parquet"
-TERMS = "draw_calls,triangles,rasterized_triangles,framebuffer_pixels"
+TERMS = bundled_fit("llvmpipe").terms
 WITHOUT = "draw_calls,triangles,framebuffer_pixels"
 HELD = ("frame_ms_mean", "frame_ms_sd", "over_budget_fraction", "lag_ms_mean", "sse_px_p95")
 PICTURED = ("static-distance", "static-screen", "feedback", "lodmanager", "funkhouser", "gobbetti")

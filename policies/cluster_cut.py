@@ -7,12 +7,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.scene import Scene
+from .completed import Completed
 from .error_ladder import ErrorLadder
 from .hierarchy import Hierarchy
 from .protocol import Capabilities
 from .reports import Reports
 from .selection import Selection, Work
-from .view import Completed, View
+from .view import View
 
 __all__ = ["ClusterCut"]
 

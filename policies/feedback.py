@@ -8,11 +8,12 @@ import numpy as np
 
 from ..errors import InputError
 from ..models.scene import Scene
+from .completed import Completed
 from .protocol import Capabilities
 from .reports import Reports
 from .selection import Selection
 from .static_screen import StaticScreen
-from .view import Completed, View
+from .view import View
 
 __all__ = ["Feedback"]
 

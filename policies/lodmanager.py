@@ -10,12 +10,13 @@ from ..errors import InputError
 from ..models.arrays import BoolArray, FloatArray, IntArray
 from ..models.levels import LevelTable
 from ..models.scene import Scene
+from .completed import Completed
 from .protocol import Capabilities
 from .reports import Reports
 from .selection import Selection, Work
 from .shared_levels import SharedLevels
 from .static_distance import distance_range
-from .view import Completed, View
+from .view import View
 
 __all__ = ["LodManager"]
 

@@ -19,7 +19,7 @@ from typing import Any
 import msgspec
 
 from ..errors import InputError
-from .protocol import Policy
+from .protocol import Capabilities, Policy
 
 __all__ = [
     "REGISTERED",
@@ -94,14 +94,21 @@ class PolicySpec:
         Raises
         ------
         InputError
-            If the class refuses the parameters.
+            If the class refuses the parameters, or says nothing of its capabilities.
         """
         try:
-            return self.cls(**self.params)
+            policy = self.cls(**self.params)
         except InputError:
             raise
         except (Exception, SystemExit) as error:  # a user's class may raise anything
             raise InputError(f"policy {self.text}: {type(error).__name__}: {error}") from error
+        said: object = getattr(policy, "capabilities", None)
+        if not isinstance(said, Capabilities):
+            raise InputError(
+                f"policy {self.text}: expected a class with capabilities, a Capabilities, got "
+                f"{type(said).__name__}; see docs/adding-a-policy.md"
+            )
+        return policy
 
 
 def default_policies() -> tuple[str, ...]:

@@ -135,8 +135,9 @@ class ResolutionCosts:
     def _tangent(self, view: View, bottom: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return start and slope of a line above the cost of rasterized triangles, both (m,).
 
-        Their number is concave in the resolution, so that every tangent lies above it.  This one
-        touches where a triangle is as large as a sample.
+        Their number is concave in the number of triangles, so that every tangent lies above it.
+        This one touches where a triangle is as large as a sample.  Triangles go with the
+        resolution, but in a type that has splats too, whose line may lie lower.
         """
         triangles = self._full[view.type_index] * view.inside_share
         samples = view.covered_px

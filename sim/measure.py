@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..models.arrays import FloatArray
-from ..policies.view import Completed
+from ..policies.completed import Completed
 from .faults import Faults, Report
 from .pipeline import Pipeline
 from .screens import DROPPED_NS

@@ -19,7 +19,8 @@ from ..models.levels import LevelTable
 from ..models.predictors import LEVEL_PREDICTORS
 from ..models.residual import Residual
 from ..models.scene import ObjectTypes, Scene
-from ..policies.view import Completed, FrameState, View
+from ..policies.completed import Completed
+from ..policies.view import FrameState, View
 from ..traces.camera import CameraTrace
 from ..traces.orientation import look_along
 

@@ -19,7 +19,8 @@ from lodbench.models.levels import LevelTable
 from lodbench.models.predictors import LEVEL_PREDICTORS
 from lodbench.models.residual import Residual
 from lodbench.models.scene import ObjectTypes, Scene
-from lodbench.policies.view import Completed, FrameState, View
+from lodbench.policies.completed import Completed
+from lodbench.policies.view import FrameState, View
 from lodbench.sim.gl.context import open_target
 from lodbench.traces.camera import CameraTrace
 

@@ -1,17 +1,17 @@
 """Write a render log as `log_csv` and `log_parquet` read it: columns, and a line about them."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from .log_parquet import HEADER_KEY
 from .whole_file import whole_file, whole_text_file
 
-__all__ = ["check_log_path", "write_log"]
+__all__ = ["check_log_path", "header_text", "write_log"]
 
 _SUFFIXES = (".parquet", ".csv")
 
@@ -23,6 +23,14 @@ def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
             f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path",
             path=path,
         )
+    if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
+        message = "expected a folder that can be written to, got one that cannot; name another"
+        raise InputError(message, path=path.parent)
+
+
+def header_text(value: str) -> str:
+    """Return a value as the header has it: one line, without the mark between values."""
+    return " ".join(value.replace(";", ",").split())
 
 
 def write_log(path: Path, columns: Mapping[str, NDArray[Any]], header: Mapping[str, str]) -> None:
@@ -39,7 +47,7 @@ def write_log(path: Path, columns: Mapping[str, NDArray[Any]], header: Mapping[s
         If the path has another suffix, or cannot be written to.
     """
     check_log_path(path)
-    comment = "; ".join(f"{name}: {value}".replace(";", ",") for name, value in header.items())
+    comment = "; ".join(f"{name}: {header_text(value)}" for name, value in header.items())
     if path.suffix == ".parquet":
         _write_parquet(path, columns, comment)
         return
@@ -53,8 +61,6 @@ def _write_parquet(path: Path, columns: Mapping[str, NDArray[Any]], comment: str
     import pyarrow as pa
     from pyarrow import parquet
 
-    # Times to a nanosecond are no more than floats of half the size hold.
-    small = {name: np.asarray(values, dtype=np.float32) for name, values in columns.items()}
-    table = pa.table(small, metadata={HEADER_KEY: comment.encode()})
+    table = pa.table(dict(columns), metadata={HEADER_KEY: comment.encode()})
     with whole_file(path) as partial:
         parquet.write_table(table, partial, compression="zstd")

@@ -1,6 +1,7 @@
 """Errors of predicted frame times, frame by frame."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def summarise(predicted_ms: FloatArray, measured_ms: FloatArray) -> ErrorSummary
     InputError
         If fewer than two frames are left.
     """
-    error = 100.0 * (predicted_ms / measured_ms - 1.0)
+    error = 100.0 * (predicted_ms / measured_ms - 1.0)  # no measured time is 0
     error = error[np.isfinite(error)]
     if len(error) < 2:
         raise InputError(
@@ -58,13 +59,17 @@ def adapted_ms(
     """Return predictions times the v_time that the frames before have led to, (n,).
 
     As `policies.v_time.VTime` does with one frame in flight: each frame is predicted before it is
-    measured (HLOD thesis, section on estimating rendering time).
+    measured (HLOD thesis, section on estimating rendering time).  A frame that is predicted to take
+    no time teaches nothing.
     """
-    ratios: list[float] = (measured_ms / predicted_ms).tolist()
+    known = predicted_ms > 0.0
+    out = np.full(len(known), np.nan)
+    ratios: list[float] = np.divide(measured_ms, predicted_ms, out=out, where=known).tolist()
     factor, factors = 1.0, np.empty(len(ratios))
     for frame, ratio in enumerate(ratios):
         factors[frame] = factor
-        factor += rate * (ratio - factor)
+        if isfinite(ratio):
+            factor += rate * (ratio - factor)
     return predicted_ms * factors
 
 

@@ -1,5 +1,6 @@
 """The folder of a validation: what was recorded, what was simulated, and how they agree."""
 
+import os
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -9,7 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...sim.frame_log_file import read_frame_log, write_frame_log
-from ...traces.log_writer import write_log
+from ...traces.log_writer import header_text, write_log
 from ...traces.read_log import read_render_log
 from ..output import frame_log_names
 from ..recording import Recorded
@@ -29,15 +30,17 @@ def check_folder(folder: Path) -> None:
     ours = {_RESULT, _REPORT, _MEASURED, _RENDERED, _SIMULATED}
     if folder.exists():
         names = {path.name for path in folder.iterdir()} if folder.is_dir() else {folder.name}
-        if not folder.is_dir() or names - ours:
+        foreign = names - ours if folder.is_dir() and _RESULT in names else names
+        if foreign:
             raise InputError(
                 "expected a new folder or one that `lodbench validate` wrote, got one that holds "
-                f"{min(names - ours)}; name another",
+                f"{min(foreign)}; name another",
                 path=folder,
             )
-    if not folder.absolute().parent.is_dir():
-        message = "expected a folder to write to, got none of that name"
-        raise InputError(message, path=folder.absolute().parent)
+    parent = folder.absolute().parent
+    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
+        message = "expected a folder that can be written to, got none; name another"
+        raise InputError(message, path=parent)
 
 
 def write_validation(
@@ -91,37 +94,49 @@ def _write_recordings(
 
 
 def read_recordings(
-    folder: Path, labels: list[str], scene: str, trace: str, budget_ms: float
+    folder: Path, labels: list[str], wanted: Mapping[str, str]
 ) -> dict[str, list[Recorded]]:
     """Return the recordings of policies that `write_validation` wrote, by label.
+
+    Parameters
+    ----------
+    wanted
+        What the headers of the render logs have to say, as `recording.conditions` has it.
 
     Raises
     ------
     InputError
-        If one is missing, broken, or of another policy, scene, trace or budget.
+        If one is missing, broken, or was recorded under other conditions.
     """
     found: dict[str, list[Recorded]] = {}
     for label, name in frame_log_names(labels).items():
-        wanted = (label, scene, trace, budget_ms)
+        if not (folder / _MEASURED / name).is_file():
+            raise InputError(
+                f"expected a recording of {label}, got none; give a folder that `lodbench validate "
+                "--out` wrote with that policy",
+                path=folder,
+            )
+        wanted = {**wanted, "policy": label}
         found[label] = [_read(folder, name, wanted)]
         if (folder / _MEASURED / f"{_AGAIN}{name}").is_file():
             found[label].append(_read(folder, f"{_AGAIN}{name}", wanted))
     return found
 
 
-def _read(folder: Path, name: str, wanted: tuple[str, str, str, float]) -> Recorded:
+def _read(folder: Path, name: str, wanted: Mapping[str, str]) -> Recorded:
     frames = read_frame_log(folder / _MEASURED / name)
-    log = read_render_log(folder / _RENDERED / name, {"shaded_samples": "projected_px"})
-    header = frames.header
-    got = (header.policy, header.scene, header.trace, header.budget_ms)
-    if got != wanted or len(frames) != len(log):
-        policy, scene, trace, budget_ms = wanted
-        raise InputError(
-            f"expected {len(log)} frames of {policy} in {scene} along {trace} within "
-            f"{budget_ms:g} ms, got {len(frames)} of {got[0]} in {got[1]} along {got[2]} within "
-            f"{got[3]:g} ms; record again",
-            path=folder / _MEASURED / name,
+    path = folder / _RENDERED / name
+    log = read_render_log(path, {"shaded_samples": "projected_px"})
+    said = dict(log.header)
+    for key, value in wanted.items():
+        if said.get(key) != header_text(value):
+            message = f"expected a recording with {key} {value}, got {said.get(key)}; record again"
+            raise InputError(message, path=path)
+    if len(frames) != len(log):
+        message = (
+            f"expected the {len(log)} frames of its render log, got {len(frames)}; record again"
         )
+        raise InputError(message, path=folder / _MEASURED / name)
     counts = dict(zip(log.predictors, log.counts.T, strict=True))
     counts["projected_px"] = np.asarray(counts["shaded_samples"])
     return Recorded(dict(log.header), counts, frames)

@@ -41,7 +41,7 @@ class Errors:
     model : the profile's cost of each recorded frame, from what was drawn in it (open loop)
     v_time : the same, adapted to the frames before
     simulation : the simulated replay at the same moment of the trace (closed loop)
-    again : the second recording at the same moment; what no simulator can undercut
+    again : the second recording at the same moment: how far the machine comes from itself
     """
 
     model: ErrorSummary

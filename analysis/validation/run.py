@@ -3,8 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...errors import InputError
 from ...models.hardware import HardwareProfile
 from ...models.scene_catalog import OpenedScene
@@ -54,7 +52,7 @@ def record_all(
         As `Recorder.record`.
     """
     if passes not in (1, 2):
-        raise InputError(f"--passes: expected 1 or 2, got {passes}")
+        raise InputError(f"--passes: expected 1 or 2, got {passes}; 2 shows the machine's noise")
     size = (hardware.display.width_px, hardware.display.height_px)
     found: dict[str, list[Recorded]] = {label: [] for label in labels}
     with open_recorder(scene, how, size) as recorder:
@@ -106,9 +104,11 @@ def cut_trace(trace: CameraTrace, seconds: float) -> CameraTrace:
     InputError
         If that is no more than one sample.
     """
-    count = int(np.searchsorted(trace.time_s, seconds, side="right"))
+    count = int((trace.time_s <= seconds).sum())
     if count < 2:
-        raise InputError(f"--seconds: expected more than one sample of {trace.name}, got {seconds}")
+        raise InputError(
+            f"--seconds: expected more than one sample of {trace.name}, got {seconds}; take more"
+        )
     return CameraTrace(
         trace.name,
         trace.time_s[:count],

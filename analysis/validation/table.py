@@ -87,7 +87,7 @@ def print_validation(validation: Validation, console: "Console") -> None:
         ),
     )
     console.print(metrics)
-    if validation.inside is not None:
+    if validation.inside is not None and validation.draws:
         console.print(
             f"{validation.inside:.0%} of all measured metrics lie in their {validation.level:.0%} "
             f"interval over {validation.draws} posterior draws"

@@ -11,6 +11,7 @@ from ...models.cost import CostModel
 from ...models.hardware import HardwareProfile
 from ...models.predictors import GPU_PREDICTORS
 from ...sim.frame_log import FrameLog
+from ...traces.log_writer import header_text
 from ..comparison import Comparison
 from ..metrics.registry import METRICS
 from ..metrics.run import Run
@@ -18,7 +19,11 @@ from .errors import adapted_ms, at_times, summarise
 from .ranks import kendall_tau
 from .result import Agreement, Errors, PolicyValidation, Rank, Validation
 
-__all__ = ["Measured", "Pair", "price_ms", "require_other_frames", "validate"]
+__all__ = ["Measured", "Pair", "price_ms", "require_other_frames", "require_priced", "validate"]
+
+
+UNRECORDED = ("splats", "texture_bytes")
+"""GPU predictors that a recording does not count."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,28 +65,33 @@ class _Series:
 
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
     """Raise InputError if the profile was calibrated on this scene along this trace."""
-    if f"{scene} along {trace}" in hardware.provenance.measured_on:
+    if f"{header_text(scene)} along {header_text(trace)}" in hardware.provenance.measured_on:
         raise InputError(
             f"--hardware {hardware.name}: expected a profile calibrated on other frames, got one "
             f"of {scene} along {trace}; validate on another scene or trace"
         )
 
 
-def price_ms(costs: CostModel, counts: Mapping[str, FloatArray]) -> FloatArray:
-    """Return what a cost model says of frames by what was drawn in them, (n,).
-
-    Raises
-    ------
-    InputError
-        If the model has a roofline, whose sides a log has no sums of, or a predictor that the
-        counts lack.
-    """
+def require_priced(hardware: HardwareProfile) -> None:
+    """Raise InputError unless a profile's model can be held against what is recorded."""
+    costs = hardware.gpu
     if costs.has_roofline:
-        raise InputError("hardware: expected a linear model to hold against logs, got a roofline")
+        raise InputError(
+            f"--hardware {hardware.name}: expected a linear model to hold against logs, whose "
+            "sums do not tell the sides of a roofline, got a roofline; fit single predictors"
+        )
+    for name in UNRECORDED:
+        if costs.linear_ms[GPU_PREDICTORS.index(name)] > 0.0:
+            raise InputError(
+                f"--hardware {hardware.name}: expected costs of what is recorded, got one of "
+                f"{name}; fit a log of `lodbench record`"
+            )
+
+
+def price_ms(costs: CostModel, counts: Mapping[str, FloatArray]) -> FloatArray:
+    """Return what a cost model, as `require_priced` admits it, says of what was drawn, (n,)."""
     total = np.full(len(next(iter(counts.values()))), costs.base_ms)
     for name, ms in zip(GPU_PREDICTORS, costs.linear_ms.tolist(), strict=True):
-        if ms > 0.0 and name not in counts:
-            raise InputError(f"hardware: expected costs of what is recorded, got one of {name}")
         if ms > 0.0:
             total = total + ms * counts[name]
     return total

@@ -13,9 +13,10 @@ from ...models.frustum import Culler
 from ...models.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
 from ...models.scene import Scene
 from ...models.tree import Tree
+from ..completed import Completed
 from ..protocol import Oracle, Policy, Truth
 from ..selection import Selection, find_violation
-from ..view import Completed, FrameState, View
+from ..view import FrameState, View
 
 __all__ = ["CheckError", "Played", "Player", "Timer", "coarsest", "frame_ms", "live"]
 

@@ -63,6 +63,7 @@ class Target:
         self.context.copy_framebuffer(self.context.screen, picture)
         glfw.swap_buffers(self.window)
         glfw.poll_events()
+        self.context.finish()  # or the next frame would wait for this one to be shown
 
     def close(self) -> None:
         """Give the context back, and with it all that was made in it."""

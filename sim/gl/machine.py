@@ -92,8 +92,8 @@ class GlMachine:
         timings = self._drawn(ready, self._repeats)
         times = np.array([(t.cpu_ms, t.gpu_ms, t.frame_ms) for t in timings])
         middle = np.median(times, axis=0)
-        if middle[1] > 1.05 * middle[2]:
-            middle[1] = np.nan  # a counter that ran over
+        if not 0.0 < middle[1] <= 1.05 * middle[2]:
+            middle[1] = np.nan  # no result, or a counter that ran over
         samples = timings[-1].shaded_samples, _expected(frame, picture)
         self._rows.extend(astuple(self._renderer.count(ready)))
         self._rows.extend((*samples, *middle, times[:, 2].min(), times[:, 2].max()))

@@ -48,7 +48,6 @@ class Meshes:
     parts : parts of each row
     vertices : vertices of each row
     skinned : whether each row is
-    byte_count : bytes uploaded
     """
 
     vertex: "moderngl.Buffer"
@@ -57,7 +56,6 @@ class Meshes:
     parts: tuple[tuple[Part, ...], ...]
     vertices: tuple[int, ...]
     skinned: tuple[bool, ...]
-    byte_count: int
 
 
 def upload(context: "moderngl.Context", scene: Scene, geometry: Geometry) -> Meshes:
@@ -108,7 +106,6 @@ def upload(context: "moderngl.Context", scene: Scene, geometry: Geometry) -> Mes
         tuple(parts),
         tuple(len(mesh.vertices) for mesh in geometry),
         skinned,
-        vertex.nbytes + skin.nbytes + data.nbytes,
     )
 
 

@@ -21,7 +21,7 @@ from ..replay import ReplayOptions, replay
 from .context import Device
 from .machine import GlMachine
 
-__all__ = ["Recording", "header_of", "record", "recorded_hardware"]
+__all__ = ["Recording", "check_policy", "header_of", "record", "recorded_hardware"]
 
 _FROM_LOG = {
     "projected_px": "shaded_samples",  # the simulator's count of them
@@ -67,6 +67,17 @@ def recorded_hardware(hardware: HardwareProfile, size_px: tuple[int, int]) -> Ha
     return replace(hardware, display=screen, frames_in_flight=1)
 
 
+def check_policy(policy: Policy, scene: Scene, name: str) -> None:
+    """Raise InputError, with the reason, unless a policy can be recorded in a scene."""
+    reason = why_not_applicable(policy.capabilities, scene)
+    if policy.capabilities.future:
+        reason = "it sees the future, which a real machine does not show"
+    if policy.capabilities.loader:
+        reason = "it streams, and a recording has all meshes in memory"
+    if reason is not None:
+        raise InputError(f"{name}: expected a policy that can be recorded; {reason}")
+
+
 def record(
     policy: Policy,
     scene: Scene,
@@ -96,13 +107,7 @@ def record(
     PolicyError
         If the policy breaks its contract.
     """
-    reason = why_not_applicable(policy.capabilities, scene)
-    if policy.capabilities.future:
-        reason = "it sees the future, which a real machine does not show"
-    if policy.capabilities.loader:
-        reason = "it streams, and a recording has all meshes in memory"
-    if reason is not None:
-        raise InputError(f"{name}: expected a policy that can be recorded; {reason}")
+    check_policy(policy, scene, name)
     watched = watch(policy)
     log = replay(watched, scene, trace, hardware, options, name=name, machine=machine)
     columns = measuring.rows()

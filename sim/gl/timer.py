@@ -11,6 +11,7 @@ __all__ = ["doubt_timer"]
 
 _LONGER = 1.05  # than the whole frame: the clocks differ a little
 _WAITED = 0.5  # share of the wait for the frame's end that work on the device should fill
+_LEAST_WAIT_MS = 0.2  # below which the wait is the driver's own
 
 
 def doubt_timer(device: Device, timings: Sequence[Timing]) -> str | None:
@@ -22,11 +23,11 @@ def doubt_timer(device: Device, timings: Sequence[Timing]) -> str | None:
     gpu, cpu, frame = np.array([(t.gpu_ms, t.cpu_ms, t.frame_ms) for t in timings]).T
     if device.software:
         share = float(np.median(gpu / frame))
-        return f"a software rasteriser draws outside of its query, which reports {share:.0%}"
+        return f"a software rasteriser draws in part outside of its query, here {1 - share:.0%}"
     if (gpu > _LONGER * frame).any():
         return f"{gpu.max():.1f} ms in a frame of {frame[gpu.argmax()]:.1f} ms: a counter ran over"
     if (gpu <= 0.0).any():
         return "0 ms: the query is not supported"
-    if np.median(gpu) < _WAITED * np.median(frame - cpu):
+    if np.median(gpu) < _WAITED * np.median(frame - cpu) > _WAITED * _LEAST_WAIT_MS:
         return f"{np.median(gpu):.2f} ms where {np.median(frame - cpu):.2f} ms were waited for"
     return None

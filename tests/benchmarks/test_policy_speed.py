@@ -13,9 +13,9 @@ import pytest
 from lodbench.models.camera import Camera
 from lodbench.models.cost import CostModel
 from lodbench.models.scene import Scene
+from lodbench.policies.completed import Completed
 from lodbench.policies.protocol import Truth, why_not_applicable
 from lodbench.policies.registry import default_policies, parse_policy
-from lodbench.policies.view import Completed
 
 Make = Callable[..., Any]
 OBJECTS, FRAMES, AIM_MS = 3_100, 40, 5.0

@@ -181,7 +181,7 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
             [*STATIC, "--out", "a.parquet", "--frame-log", "a.parquet"],
             "--frame-log: expected another file than --out",
         ),
-        ("balls", [*STATIC, "--images", "no/pictures"], "expected a folder to write to"),
+        ("balls", [*STATIC, "--images", "no/pictures"], "expected a folder that can be written to"),
         ("balls", [*STATIC, "--images", "p", "--image-every", "0"], "--image-every: expected"),
         (
             "balls",
@@ -296,3 +296,35 @@ def test_sizes_that_are_none(text: str) -> None:
 def test_sizes() -> None:
     """Width comes first."""
     assert parse_size("1280x720") == (1280, 720)
+
+
+def test_a_log_inside_the_folder_of_pictures_is_refused(
+    record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The folder is replaced as a whole, and a log in it would be lost."""
+    (tmp_path / "pictures").mkdir()
+    for out, images in (("pictures/log.csv", "pictures"), ("log.csv", "log.csv")):
+        assert record(*STATIC, "--images", images, out=out) == 2
+        assert "expected a log outside of the folder of pictures" in capsys.readouterr().err
+    assert record(*STATIC, "--images", ".", out="../log.csv") == 2
+    assert not (tmp_path.parent / "log.csv").exists()
+
+
+def test_only_pictures_are_replaced(
+    record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file whose name only begins like that of a picture is no picture of ours."""
+    (tmp_path / "pictures").mkdir()
+    (tmp_path / "pictures" / "frame-notes.txt").write_text("mine", encoding="utf-8")
+    assert record(*STATIC, "--images", "pictures") == 2
+    assert "frame-notes.txt" in capsys.readouterr().err
+
+
+def test_a_policy_without_capabilities_is_refused(
+    record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A user's class that says nothing of what it can drive is named in one line."""
+    text = "class Bare:\n    def reset(self, *_): ...\n    def select(self, *_): ...\n"
+    (tmp_path / "bare.py").write_text(text, encoding="utf-8")
+    assert record("--policy", "bare.py:Bare") == 2
+    assert "expected a class with capabilities" in capsys.readouterr().err

@@ -69,11 +69,15 @@ def test_recordings_of_something_else_are_refused(
     recorded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Recordings of another budget, or of a policy that was not recorded, are named."""
-    other = [*QUICK, "--recorded", str(recorded), "--budget-ms", "9"]
-    assert run(["validate", *other]) == 2
-    assert "within 9 ms, got" in capsys.readouterr().err
-    assert run(["validate", *QUICK, "--recorded", str(recorded), "--policy", "lodmanager"]) == 2
-    assert "lodmanager.parquet: expected a frame log, got no file" in capsys.readouterr().err
+    for option, value, message in (
+        ("--budget-ms", "9", "expected a recording with budget_ms 9, got 4; record again"),
+        ("--size", "48x48", "expected a recording with resolution 48x48, got 96x54"),
+        ("--seconds", "0.9", "expected a recording with trace_s 0.9, got 0.6"),
+        ("--policy", "lodmanager", "expected a recording of lodmanager, got none"),
+    ):
+        other = [*QUICK, "--recorded", str(recorded), option, value]
+        assert run(["validate", *other]) == 2
+        assert message in capsys.readouterr().err
 
 
 def test_the_frames_of_the_calibration_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
@@ -89,6 +93,9 @@ def test_the_frames_of_the_calibration_are_refused(capsys: pytest.CaptureFixture
         (["--policy", "full"], "expected each once"),
         (["--passes", "3"], "--passes: expected 1 or 2, got 3"),
         (["--seconds", "0"], "expected more than one sample"),
+        (["--seconds", "nan"], "expected more than one sample"),
+        (["--warmup", "-3"], "warmup: expected a whole number >= 0"),
+        (["--hardware", "geforce2go-2002"], "--hardware geforce2go-2002: expected"),
         (["--policy", "oracle"], "it sees the future"),
         (["--policy", "mason-blake"], "expected a policy that can be recorded"),
         (["--repeats", "0"], "--repeats: expected 1 to 99"),

@@ -10,8 +10,9 @@ import pytest
 
 from lodbench.errors import InputError
 from lodbench.models.scene import Scene
+from lodbench.policies.completed import Completed
 from lodbench.policies.hoppe import Hoppe, critical_gain
-from lodbench.policies.view import Completed, View
+from lodbench.policies.view import View
 from lodbench.sim.replay import ReplayOptions, replay
 
 Make = Callable[..., Any]

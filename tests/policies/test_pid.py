@@ -10,8 +10,9 @@ import pytest
 
 from lodbench.errors import InputError
 from lodbench.models.scene import Scene
+from lodbench.policies.completed import Completed
 from lodbench.policies.pid import Pid
-from lodbench.policies.view import Completed, View
+from lodbench.policies.view import View
 
 Make = Callable[..., Any]
 BUDGET_MS = 20.0  # 50 Hz, so the target is 55 Hz

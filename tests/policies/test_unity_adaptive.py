@@ -9,8 +9,9 @@ import pytest
 
 from lodbench.errors import InputError
 from lodbench.models.scene import Scene
+from lodbench.policies.completed import Completed
 from lodbench.policies.unity_adaptive import UnityAdaptive, judge_trend
-from lodbench.policies.view import Completed, View
+from lodbench.policies.view import View
 
 Make = Callable[..., Any]
 TARGET_MS = 1e3 / 60.0

@@ -11,10 +11,11 @@ import pytest
 
 from lodbench.errors import InputError
 from lodbench.models.scene import Scene
+from lodbench.policies.completed import Completed
 from lodbench.policies.selection import Selection, find_violation
 from lodbench.policies.static_screen import StaticScreen
 from lodbench.policies.unreal_dynamic import UnrealDynamic, suggest_fraction
-from lodbench.policies.view import Completed, View
+from lodbench.policies.view import View
 from lodbench.sim.replay import ReplayOptions, replay
 
 Make = Callable[..., Any]

@@ -8,7 +8,8 @@ import pytest
 
 from lodbench.models.camera import Camera
 from lodbench.models.scene import Scene
-from lodbench.policies.view import Completed, View
+from lodbench.policies.completed import Completed
+from lodbench.policies.view import View
 
 MakeScene = Callable[..., Scene]
 MakeView = Callable[..., View]

@@ -31,6 +31,12 @@ def test_adaptation_begins_at_the_model_and_ends_at_the_machine() -> None:
     assert adapted == pytest.approx(expected)
 
 
+def test_a_frame_predicted_to_take_no_time_teaches_nothing() -> None:
+    """The factor stays as it was, and later frames are adapted as ever."""
+    found = adapted_ms(np.array([1.0, 0.0, 1.0, 1.0]), np.full(4, 2.0), rate=0.5)
+    assert found == pytest.approx([1.0, 0.0, 1.5, 1.75])
+
+
 def test_adaptation_never_sees_the_frame_that_it_predicts() -> None:
     """Changing the last measurement changes no prediction."""
     rng = np.random.default_rng(2)

@@ -15,6 +15,7 @@ from lodbench.analysis.validation.validate import (
     Pair,
     price_ms,
     require_other_frames,
+    require_priced,
     validate,
 )
 from lodbench.errors import InputError
@@ -152,15 +153,21 @@ def test_frames_that_were_calibrated_on_are_refused(replays: Replays) -> None:
         require_other_frames(profile, "plaza", "nowhere")
 
 
-def test_prices_by_hand_and_what_cannot_be_priced() -> None:
-    """Base and counts add up; a roofline, or a cost of what was not counted, is refused."""
+def test_what_cannot_be_priced_is_refused(replays: Replays) -> None:
+    """A profile with a roofline, or with a cost of what is not recorded, is named."""
+    profile = replays[2]
+    require_priced(profile)
+    with pytest.raises(InputError, match="got one of splats"):
+        require_priced(replace(profile, gpu=CostModel.of(0.0, {"splats": 1.0})))
+    with pytest.raises(InputError, match="got a roofline"):
+        require_priced(replace(profile, gpu=CostModel.of(0.0, {}, {"triangles": 1.0})))
+
+
+def test_prices_by_hand() -> None:
+    """Base and counts add up."""
     counts = {"triangles": np.array([10.0, 20.0]), "draw_calls": np.array([1.0, 2.0])}
     costs = CostModel.of(3.0, {"triangles": 0.5, "draw_calls": 1.0})
     assert price_ms(costs, counts) == pytest.approx([9.0, 15.0])
-    with pytest.raises(InputError, match="got one of splats"):
-        price_ms(CostModel.of(0.0, {"splats": 1.0}), counts)
-    with pytest.raises(InputError, match="got a roofline"):
-        price_ms(CostModel.of(0.0, {}, {"triangles": 1.0}), counts)
 
 
 def test_a_recording_of_warm_up_alone_is_refused(replays: Replays) -> None:

@@ -39,7 +39,7 @@ def test_each_reason_for_doubt(rows: list[tuple[float, float, float]], reason: s
 def test_software_is_doubted_whatever_it_reports() -> None:
     """The share that it reports is told."""
     doubt = doubt_timer(Device("x", "1", software=True), timings((1.0, 0.05, 5.0)))
-    assert doubt == "a software rasteriser draws outside of its query, which reports 1%"
+    assert doubt == "a software rasteriser draws in part outside of its query, here 99%"
 
 
 def test_the_device_of_this_machine(target: Any, drawing: Any, cube: Any) -> None:
