@@ -328,3 +328,24 @@ def test_a_policy_without_capabilities_is_refused(
     (tmp_path / "bare.py").write_text(text, encoding="utf-8")
     assert record("--policy", "bare.py:Bare") == 2
     assert "expected a class with capabilities" in capsys.readouterr().err
+
+
+@pytest.mark.realdata
+def test_real_meshes_along_a_real_trace(
+    data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A textured model and a plain one, along a hand-held camera, are drawn and can be fitted."""
+    scene, log = tmp_path / "real.lodscene", tmp_path / "log.parquet"
+    meshes = [str(data_dir / "meshes" / name) for name in ("CesiumMilkTruck.glb", "cow.obj")]
+    assert (
+        run(["scene", "build", *meshes, "--count", "40", "--levels", "3", "--out", str(scene)]) == 0
+    )
+    trace = str(data_dir / "traces" / "tum-freiburg1-xyz.txt")
+    capsys.readouterr()
+    arguments = ["--scene", str(scene), "--trace", trace, "--calibrate", "--size", "160x90"]
+    drawn = [*arguments, "--frames", "48", "--repeats", "1", "--out", str(log), "--json"]
+    assert run(["record", *drawn]) == 0
+    assert json.loads(capsys.readouterr().out)["frames"] == 48
+    found = read_render_log(log)
+    assert found.columns(["textured_triangles"]).max() > 0.0
+    assert found.columns(["shaded_samples"]).max() > 0.0
