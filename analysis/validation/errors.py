@@ -59,7 +59,7 @@ def adapted_ms(
     """Return predictions times the v_time that the frames before have led to, (n,).
 
     As `policies.v_time.VTime` does with one frame in flight: each frame is predicted before it is
-    measured (HLOD thesis, section on estimating rendering time).  A frame that is predicted to take
+    measured.  The idea is the HLOD thesis', the rate ours.  A frame that is predicted to take
     no time teaches nothing.
     """
     known = predicted_ms > 0.0
