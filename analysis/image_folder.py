@@ -1,14 +1,13 @@
 """A folder of pictures beside full detail, with a table that sets metrics against them."""
 
-import os
 import re
-import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
 from ..sim.gl.images import PictureFolder, require_images
+from ..traces.whole_folder import require_own, require_writable, whole_folder
 from .recording import Recorded
 
 __all__ = ["ImageFolder", "image_folder"]
@@ -50,25 +49,11 @@ def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]
     if path.exists():
         others = sorted(p.name for p in path.iterdir()) if path.is_dir() else [path.name]
         others = [name for name in others if name != _TABLE and not _PICTURE.fullmatch(name)]
-        if others or not path.is_dir():
-            raise InputError(
-                "expected a new folder or one that `lodbench record` wrote, got one that holds "
-                f"{others[0]}; name another",
-                path=path,
-            )
-    parent = path.absolute().parent
-    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
-        raise InputError(
-            "expected a folder that can be written to, got none; name another", path=parent
-        )
+        require_own(path, others, "record")
+    require_writable(path.absolute().parent)
     if not path.name or path.absolute() == Path.cwd():
         raise InputError(
             "expected a folder of its own for pictures, got this one; name another", path=path
         )
-    with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=parent) as scratch:
-        partial, before = Path(scratch) / "new", Path(scratch) / "old"
-        partial.mkdir()
+    with whole_folder(path) as partial:
         yield ImageFolder(partial, every)
-        if path.exists():
-            path.rename(before)
-        partial.rename(path)

@@ -1,14 +1,13 @@
 """The folder that a comparison is written to: all of it, or nothing."""
 
-import os
 import re
-import tempfile
 from pathlib import Path
 
 from ..errors import InputError
 from ..sim.frame_log import FrameLog
 from ..sim.frame_log_file import read_frame_log, write_frame_log
 from ..traces.whole_file import whole_text_file
+from ..traces.whole_folder import require_own, require_writable, whole_folder
 from .comparison import Comparison, encode_comparison, read_comparison
 from .report.render import render_report
 
@@ -26,7 +25,7 @@ def check_target(folder: Path) -> None:
         If it is a file, has other files in it, which would be lost, or could not be written.
     """
     if not folder.exists():
-        _check_writable(next(parent for parent in folder.absolute().parents if parent.exists()))
+        require_writable(next(parent for parent in folder.absolute().parents if parent.exists()))
         return
     if not folder.is_dir():
         raise InputError("expected a folder to write to, got a file; name a folder", path=folder)
@@ -34,22 +33,8 @@ def check_target(folder: Path) -> None:
     strange = sorted(
         path.name for path in (folder / _FRAMES).glob("*") if path.suffix != ".parquet"
     )
-    if others or strange:
-        raise InputError(
-            "expected a new folder or one that `lodbench compare` wrote, got one that holds "
-            f"{(others + strange)[0]}; name another",
-            path=folder,
-        )
-    _check_writable(folder.absolute().parent)
-
-
-def _check_writable(parent: Path) -> None:
-    """Refuse before the work what would fail after it."""
-    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
-        raise InputError(
-            "expected a folder that can be written to, got one that cannot; name another",
-            path=parent,
-        )
+    require_own(folder, others + strange, "compare")
+    require_writable(folder.absolute().parent)
 
 
 def frame_log_names(labels: list[str]) -> dict[str, str]:
@@ -76,21 +61,12 @@ def write_results(folder: Path, comparison: Comparison, logs: dict[str, FrameLog
     """
     check_target(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as scratch:
-        partial, before = Path(scratch) / "new", Path(scratch) / "old"
-        (partial / _FRAMES).mkdir(parents=True)
+    with whole_folder(folder) as partial:
+        (partial / _FRAMES).mkdir()
         for label, name in frame_log_names(list(logs)).items():
             write_frame_log(partial / _FRAMES / name, logs[label])
         (partial / _COMPARISON).write_bytes(encode_comparison(comparison))
         (partial / _REPORT).write_text(render_report(comparison, logs), encoding="utf-8")
-        if folder.exists():
-            folder.rename(before)
-        try:
-            partial.rename(folder)
-        except BaseException:
-            if before.exists():
-                before.rename(folder)
-            raise
 
 
 def read_results(folder: Path) -> tuple[Comparison, dict[str, FrameLog]]:

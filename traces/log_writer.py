@@ -1,6 +1,5 @@
 """Write a render log as `log_csv` and `log_parquet` read it: columns, and a line about them."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .log_parquet import HEADER_KEY
 from .whole_file import whole_file, whole_text_file
+from .whole_folder import require_writable
 
 __all__ = ["check_log_path", "header_text", "write_log"]
 
@@ -23,9 +23,7 @@ def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
             f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path",
             path=path,
         )
-    if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
-        message = "expected a folder that can be written to, got one that cannot; name another"
-        raise InputError(message, path=path.parent)
+    require_writable(path.parent)
 
 
 def header_text(value: str) -> str:

@@ -1,8 +1,6 @@
 """The folder of a validation: what was recorded, what was simulated, and how they agree."""
 
-import os
 import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,6 +10,7 @@ from ...errors import InputError
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ...traces.log_writer import header_text, write_log
 from ...traces.read_log import read_render_log
+from ...traces.whole_folder import require_own, require_writable, whole_folder
 from ..output import frame_log_names
 from ..recording import Recorded
 from .page import render_validation
@@ -31,16 +30,8 @@ def check_folder(folder: Path) -> None:
     if folder.exists():
         names = {path.name for path in folder.iterdir()} if folder.is_dir() else {folder.name}
         foreign = names - ours if folder.is_dir() and _RESULT in names else names
-        if foreign:
-            raise InputError(
-                "expected a new folder or one that `lodbench validate` wrote, got one that holds "
-                f"{min(foreign)}; name another",
-                path=folder,
-            )
-    parent = folder.absolute().parent
-    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
-        message = "expected a folder that can be written to, got none; name another"
-        raise InputError(message, path=parent)
+        require_own(folder, sorted(foreign), "validate")
+    require_writable(folder.absolute().parent)
 
 
 def write_validation(
@@ -62,11 +53,8 @@ def write_validation(
         As `check_folder`.
     """
     check_folder(folder)
-    with tempfile.TemporaryDirectory(
-        prefix=f".{folder.name}.", dir=folder.absolute().parent
-    ) as scratch:
-        partial, before = Path(scratch) / "new", Path(scratch) / "old"
-        (partial / _SIMULATED).mkdir(parents=True)
+    with whole_folder(folder) as partial:
+        (partial / _SIMULATED).mkdir()
         names = frame_log_names(list(pairs))
         for label, name in names.items():
             write_frame_log(partial / _SIMULATED / name, pairs[label].simulated)
@@ -77,9 +65,6 @@ def write_validation(
             _write_recordings(partial, recorded, names)
         (partial / _RESULT).write_bytes(encode(validation))
         (partial / _REPORT).write_text(render_validation(validation, pairs), encoding="utf-8")
-        if folder.exists():
-            folder.rename(before)
-        partial.rename(folder)
 
 
 def _write_recordings(
