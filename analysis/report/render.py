@@ -2,20 +2,18 @@
 
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import Any
 
 from ...sim.frame_log import FrameLog
 from ..comparison import Comparison
 from ..table import describe_run
 from . import charts, tables, tradeoffs
+from .page import chart_html, fill_page
 from .palette import inks
 
-__all__ = ["chart_html", "page_style", "render_report"]
+__all__ = ["render_report"]
 
 _PAGE = Path(__file__).with_name("page.html")
-_STYLE = Path(__file__).with_name("page.css")
-_CONFIG = {"displayModeBar": False, "responsive": True}
 
 
 def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
@@ -27,17 +25,13 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
     logs : dict of str to FrameLog
         By label, of every policy with status ok.
     """
-    from plotly.offline import get_plotlyjs
-
     ink = inks(comparison)
-    template = Template(_PAGE.read_text(encoding="utf-8"))
     level = f"{comparison.intervals.level:.0%}"
     draws = comparison.intervals.draws
     scored = bool(comparison.ok)
-    return template.substitute(
-        style=page_style(),
+    return fill_page(
+        _PAGE,
         title=f"Which policy keeps {comparison.budget_ms:.4g} ms?",
-        plotly=get_plotlyjs(),
         run=escape(describe_run(comparison)),
         assumed=_assumed(comparison),
         failures=tables.failures(comparison),
@@ -55,20 +49,6 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
         duels=chart_html("duels", tradeoffs.duel_chart(comparison)),
         metrics=tables.metric_table(comparison, ink),
         provenance=tables.provenance(comparison),
-    )
-
-
-def page_style() -> str:
-    """Return the style sheet of all pages."""
-    return _STYLE.read_text(encoding="utf-8")
-
-
-def chart_html(name: str, figure: Any) -> str:
-    """Return a chart as a part of the page, or say that there is nothing to draw."""
-    if figure is None:
-        return '<p class="dim">Nothing to draw in this run.</p>'
-    return figure.to_html(
-        full_html=False, include_plotlyjs=False, div_id=f"chart-{name}", config=_CONFIG
     )
 
 

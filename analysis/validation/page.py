@@ -3,11 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 from pathlib import Path
-from string import Template
 
 from ... import __version__
 from ..metrics.registry import METRICS
-from ..report.render import chart_html, page_style
+from ..report.page import chart_html, fill_page
 from ..report.tables import facts_table, html_table
 from ..table import format_value
 from .charts import agreement_chart, series_chart
@@ -22,18 +21,15 @@ _PAGE = Path(__file__).with_name("page.html")
 
 def render_validation(validation: Validation, pairs: Mapping[str, Pair]) -> str:
     """Return the HTML of a validation."""
-    from plotly.offline import get_plotlyjs
-
     log = validation.log
     run = (
         f"{validation.scene} along {validation.trace}, {validation.trace_s:.1f} s, drawn on "
         f"{log.get('renderer', 'a device')} at {log.get('resolution', 'some size')} and simulated "
         f"with the profile {validation.hardware}; budget {validation.budget_ms:.4g} ms"
     )
-    return Template(_PAGE.read_text(encoding="utf-8")).substitute(
+    return fill_page(
+        _PAGE,
         title="Does the simulator agree with the machine?",
-        style=page_style(),
-        plotly=get_plotlyjs(),
         run=escape(run),
         errors=_error_table(validation),
         series=chart_html("series", series_chart(validation, pairs)),
