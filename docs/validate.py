@@ -138,12 +138,14 @@ def ranks(tables: dict[str, dict[str, np.ndarray[Any, Any]]]) -> Iterator[tuple[
         for name in next(iter(tables.values()))
     }
     yield "Spearman's ρ over all pictures", "1 − SSIM", "difference"
-    for name, title in (("sse_px_p95", "`sse_px_p95`"), ("sse_px_max", "`sse_px_max`")):
-        rho = [spearmanr(joined[name], joined[other])[0] for other in ("ssim", "difference")]
+    computed = {
+        "`sse_px_p95`": joined["sse_px_p95"],
+        "`sse_px_max`": joined["sse_px_max"],
+        "1 − benefit share": 1.0 - joined["benefit_share"],
+    }
+    for title, values in computed.items():
+        rho = [spearmanr(values, joined[shown])[0] for shown in ("ssim", "difference")]
         yield title, f"{-rho[0]:.2f}", f"{rho[1]:.2f}"
-    lost = 1.0 - joined["benefit_share"]
-    rho = [spearmanr(lost, joined[other])[0] for other in ("ssim", "difference")]
-    yield "1 − benefit share", f"{-rho[0]:.2f}", f"{rho[1]:.2f}"
 
 
 def write(folder: Path) -> None:

@@ -60,14 +60,13 @@ class Accounting:
         px_per_m = self._scene.scale.take(seen.ids)
         px_per_m *= view.camera.focal_px
         px_per_m /= seen.nearest_m
-        reach = (seen.covered_px, seen.inside_share) if self._costs.rasterized_ms else ()
-        return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m, *reach)
+        reach = self._reach(seen)
+        return Drawn(seen.ids, detail, row, fraction, seen.area_px, error_m, px_per_m, reach)
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
         row, area_px = self._finest.take(view.type_index), view.area_px
-        samples = float(area_px.sum())
-        reach = (view.covered_px, view.inside_share) if self._costs.rasterized_ms else None
+        samples, reach = float(area_px.sum()), self._reach(view)
         return self._price(self._times_drawn(row, None), row, None, area_px, reach, samples, 1.0)[2]
 
     def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
@@ -75,10 +74,7 @@ class Accounting:
 
         Shaded samples and the framebuffer's pixels go with the square of the render scale.
         """
-        row, fraction, area_px = drawn.row, drawn.fraction, drawn.area_px
-        reach = None
-        if drawn.covered_px is not None and drawn.inside is not None:
-            reach = drawn.covered_px, drawn.inside
+        row, fraction, area_px, reach = drawn.row, drawn.fraction, drawn.area_px, drawn.reach
         at, old_row = self.switches.fading(time_ns, drawn.ids)
         if len(at):
             row = np.concatenate((row, old_row))
@@ -99,6 +95,10 @@ class Accounting:
         # Sums here and in scores do without BLAS, whose threads add up in an order of their own.
         counts = np.einsum("l,lp->p", times_drawn, self._levels.counts)
         return Tally(counts, samples, reached, changes, ms, len(at))
+
+    def _reach(self, seen: View) -> tuple[FloatArray, FloatArray] | None:
+        """Return what rasterized triangles are counted by, None where they cost nothing."""
+        return (seen.covered_px, seen.inside_share) if self._costs.rasterized_ms else None
 
     def _price(
         self,

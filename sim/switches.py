@@ -37,8 +37,8 @@ class Drawn:
         Geometric error of the level, before scale.
     px_per_m : float64
         Screen-space error in px of one metre of error before scale, at the node's nearest point.
-    covered_px, inside : float64 or None
-        As in `models.cost.Footprint`; None where nothing is charged by them.
+    reach : pair of float64 arrays, or None
+        `Footprint.covered_px` and `Footprint.inside_share`; None where nothing is charged by them.
     """
 
     ids: IntArray
@@ -48,8 +48,7 @@ class Drawn:
     area_px: FloatArray
     error_m: FloatArray
     px_per_m: FloatArray
-    covered_px: FloatArray | None = None
-    inside: FloatArray | None = None
+    reach: tuple[FloatArray, FloatArray] | None = None
 
 
 @dataclass(frozen=True, slots=True)
