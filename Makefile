@@ -11,6 +11,7 @@ PYTHON =
 PYTEST_FLAGS =
 PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
+ROOMS = base models traces policies sim render analysis testing cli
 
 .PHONY: compare test test-slow check bench docs validation clean
 .DELETE_ON_ERROR:
@@ -34,11 +35,11 @@ bench: .venv/.installed-bench
 	$(BIN)/pytest tests/benchmarks $(PYTEST_FLAGS)
 
 docs: .venv/.installed-dev
-	$(BIN)/python docs/build.py
+	$(BIN)/python docs/scripts/build_tables.py
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
 
 validation: .venv/.installed-dev
-	$(BIN)/python docs/validate.py
+	$(BIN)/python docs/scripts/validate.py
 
 clean:
 	rm -rf .venv .types out build dist lodbench.egg-info .benchmarks .hypothesis
@@ -54,11 +55,12 @@ clean:
 	echo "error: expected Python 3.11 or later with venv, found none of: $(PYTHONS);" \
 	  "install one, or name it: make PYTHON=/path/to/python3" >&2; exit 1
 
-# Analysers resolve the package by this link, because its folder has the checkout's name.
+# Analysers resolve the package by these links: its rooms stand side by side at the root.
 .venv/.installed: .venv/pyvenv.cfg pyproject.toml
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 	$(BIN)/python -m pip install -qq --editable .
-	mkdir -p .types && ln -sfn .. .types/lodbench
+	rm -rf .types && mkdir -p .types/lodbench
+	ln -s $(addprefix ../../,$(ROOMS) $(wildcard lodbench/*.py)) .types/lodbench
 	touch $@
 
 .venv/.installed-dev: .venv/.installed

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
+    from ..analysis.gate.check_result import Report
     from ..analysis.gate.limits import Limits
-    from ..analysis.gate.measure import Conditions, Measured
-    from ..analysis.gate.report import Report
-
-__all__ = ["check"]
+    from ..analysis.gate.measurements import Conditions, Measured
 
 
 def check(
@@ -81,9 +79,9 @@ def check(
     ] = 0,
 ) -> None:
     """Hold a policy's frame times and flicker against limits: 0 passed, 1 failed, 2 bad input."""
+    from ..analysis.gate.check import Plan, judge_measured, measure_plan
     from ..analysis.gate.limits_file import choose_limits
-    from ..analysis.gate.measure import Sampling, measure_run
-    from ..analysis.gate.run import Plan, judge_measured, measure_plan
+    from ..analysis.gate.measurements import Sampling, measure_run
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if run is not None:
@@ -140,9 +138,9 @@ def _update(
 
 
 def _print(report: "Report", limits: Path | None, *, as_json: bool, github: bool) -> None:
+    from ..analysis.gate.check_result import encode_report
     from ..analysis.gate.github import annotations
-    from ..analysis.gate.report import encode_report
-    from ..analysis.gate.text import lines
+    from ..analysis.gate.plain_text import lines
 
     if as_json:
         print(encode_report(report).decode(), end="")

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import InputError
-from .progress import progress_bar
+from ..base.errors import InputError
+from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.comparison import Comparison
-    from ..models.hardware import HardwareProfile
+    from ..analysis.study.comparison import Comparison
+    from ..models.machine.hardware import HardwareProfile
     from ..sim.faults import Faults
-
-__all__ = ["compare"]
 
 Text = str | None
 
@@ -93,14 +91,14 @@ def compare(
     ] = "",
 ) -> None:
     """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
-    from ..analysis import compare as analysis
-    from ..analysis.inputs import load_trace
-    from ..analysis.output import check_target, write_results
-    from ..models.profile_catalog import load_hardware
-    from ..models.scene_catalog import load_scene
+    from ..analysis.study import compare as analysis
+    from ..analysis.study.comparison_folder import check_target, write_results
+    from ..analysis.study.inputs import load_trace
+    from ..models.machine.profile_catalog import load_hardware
+    from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import default_policies, parse_policy
     from ..sim.replay import ReplayOptions
-    from .scene_output import opening
+    from .shared.scene_output import opening
 
     if out is not None:
         check_target(out)
@@ -178,13 +176,13 @@ def _parse_faults(text: str) -> "Faults":
 
 def _print(comparison: "Comparison", *, as_json: bool, wide: bool) -> None:
     if as_json:
-        from ..analysis.comparison import encode_comparison
+        from ..analysis.study.comparison import encode_comparison
 
         print(encode_comparison(comparison).decode(), end="")
         return
     from rich.console import Console
 
-    from ..analysis.table import print_comparison
+    from ..analysis.report.terminal_table import print_comparison
 
     # A pipe has no width of its own.
     width = None if sys.stdout.isatty() else 160 if wide else 100

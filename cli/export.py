@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import InputError
+from ..base.errors import InputError
 
 if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
     from ..sim.frame_log import FrameLog
-
-__all__ = ["export"]
 
 
 def export(
@@ -35,7 +33,7 @@ def export(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto)."""
-    from ..sim.export import EXPORTS
+    from ..sim.export.export import EXPORTS
 
     if export_format not in EXPORTS:
         raise InputError(

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
-from .progress import progress_bar
+from ..base.errors import InputError
+from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..analysis.fit.fit import Source
-    from ..traces.renderlog import TimeName
-
-__all__ = ["fit"]
+    from ..traces.logs.render_log import TimeName
 
 
 def fit(
@@ -100,9 +98,9 @@ def fit(
     frames that were held out.
     """
     from ..analysis.fit.fit import FitOptions, fit_logs, target_of
-    from ..analysis.fit.record import fit_record
-    from ..analysis.fit.sampler import SamplerOptions
-    from ..models.profile_catalog import load_hardware
+    from ..analysis.fit.fit_document import fit_record
+    from ..analysis.fit.sampling.sampler import SamplerOptions
+    from ..models.machine.profile_catalog import load_hardware
 
     paths, terms, target = _asked(logs or [], bundled, terms, target)
     options = FitOptions(
@@ -138,8 +136,8 @@ def fit(
     if doubt and strict:
         raise typer.Exit(1)
     if out is not None:
-        from ..analysis.fit.profile import profile_of
-        from ..models.profile_writer import write_profile
+        from ..analysis.fit.fitted_profile import profile_of
+        from ..models.machine.profile_writer import write_profile
 
         write_profile(profile_of(found, out.stem, date=date, onto=before), out)
     if plots is not None:
@@ -152,7 +150,7 @@ def _asked(
     logs: list[str], bundled: str | None, terms: str | None, target: str | None
 ) -> tuple[list[Path], str, str | None]:
     """Return the files to fit, the terms and the target: those given, else the bundled ones."""
-    from ..analysis.fit.catalog import bundled_fit
+    from ..analysis.fit.bundled_logs import bundled_fit
 
     if bool(logs) is (bundled is not None):
         got = "both" if logs else "neither"
@@ -165,7 +163,7 @@ def _asked(
 
 
 def _path(name: str) -> Path:
-    from ..analysis.fit.catalog import bundled_log
+    from ..analysis.fit.bundled_logs import bundled_log
 
     return bundled_log(name) or Path(name)
 
@@ -189,7 +187,7 @@ def _source(path: Path, pairs: dict[str, str], log_format: str | None) -> "Sourc
     import hashlib
 
     from ..analysis.fit.fit import Source
-    from ..traces.read_log import read_render_log
+    from ..traces.logs.read_log import read_render_log
 
     log = read_render_log(path, pairs or None, log_format)
     with path.open("rb") as file:
@@ -198,8 +196,8 @@ def _source(path: Path, pairs: dict[str, str], log_format: str | None) -> "Sourc
 
 def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path | None) -> None:
     """Refuse, before the work, what could not be written after it."""
+    from ..analysis.fit.fitted_profile import require_for_profile
     from ..analysis.fit.plots import require_plots
-    from ..analysis.fit.profile import require_for_profile
     from ..analysis.fit.terms import parse_terms
 
     if plots is not None:
@@ -220,7 +218,7 @@ def _print(record: dict[str, Any], *, as_json: bool) -> None:
         return
     from rich.console import Console
 
-    from ..analysis.fit.table import print_fit
+    from ..analysis.fit.fit_table import print_fit
 
     # A pipe has no width of its own.
     width = None if sys.stdout.isatty() else 120

@@ -9,8 +9,6 @@ from typing import Annotated, Any
 
 import typer
 
-__all__ = ["Kind", "known", "list_known"]
-
 Item = dict[str, Any]
 
 _ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in full
@@ -57,7 +55,7 @@ def known(kind: Kind) -> list[Item]:
 def _policies() -> Iterator[Item]:
     from dataclasses import asdict
 
-    from ..policies.claims import claims_of
+    from ..policies.protocol import claims_of
     from ..policies.registry import REGISTERED, parameters, parse_policy
 
     for name in sorted(REGISTERED):
@@ -108,16 +106,16 @@ def _default_comments(source: str) -> dict[str, str]:
 
 
 def _scenes() -> Iterator[Item]:
-    from ..models.named_scenes import ABOUT
+    from ..models.scenes.scene_registry import ABOUT
 
     for name, about in ABOUT.items():
         yield {"name": name, "about": about}
 
 
 def _traces() -> Iterator[Item]:
-    from ..analysis.inputs import BUNDLED_TRACE
-    from ..traces.generate import KINDS
-    from ..traces.tour import EYE_M, TURN_DEG_S
+    from ..analysis.study.inputs import BUNDLED_TRACE
+    from ..traces.cameras.generators.generate import KINDS
+    from ..traces.cameras.generators.tour import EYE_M, TURN_DEG_S
 
     # The tour crosses any scene in the same time.
     tour = {"speed_m_s": None, "turn_deg_s": TURN_DEG_S, "height_m": EYE_M}
@@ -132,7 +130,7 @@ def _traces() -> Iterator[Item]:
 
 
 def _hardware() -> Iterator[Item]:
-    from ..models.profile_catalog import list_hardware, load_hardware
+    from ..models.machine.profile_catalog import list_hardware, load_hardware
 
     for name in list_hardware():
         profile = load_hardware(name)
@@ -149,7 +147,7 @@ def _hardware() -> Iterator[Item]:
 
 
 def _metrics() -> Iterator[Item]:
-    from ..analysis.metrics.registry import METRICS
+    from ..analysis.metrics.metric_registry import METRICS
 
     for metric in METRICS:
         yield {

@@ -14,10 +14,8 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
-from .. import __version__
-from ..errors import InputError, LodbenchError
-
-__all__ = ["COMMANDS", "Command", "load_command", "main", "run"]
+from ..base.errors import InputError, LodbenchError
+from ..base.version import __version__
 
 
 class Command(NamedTuple):

@@ -6,10 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError
-from .progress import progress_bar
-
-__all__ = ["parse_size", "record"]
+from ..base.errors import InputError
+from .shared.progress import progress_bar
 
 
 def record(
@@ -76,16 +74,16 @@ def record(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take."""
-    from ..analysis.image_folder import image_folder
-    from ..analysis.inputs import load_trace
-    from ..analysis.recording import RecordOptions, open_recorder, summary_of
-    from ..models.profile_catalog import load_hardware
-    from ..models.scene_catalog import open_scene
+    from ..analysis.study.inputs import load_trace
+    from ..analysis.validation.image_folder import image_folder
+    from ..analysis.validation.recordings import RecordOptions, open_recorder, summary_of
+    from ..models.machine.profile_catalog import load_hardware
+    from ..models.scene.scene_catalog import open_scene
+    from ..render.gl.recorder import recorded_hardware
     from ..sim.frame_log_file import write_frame_log
-    from ..sim.gl.record import recorded_hardware
     from ..sim.replay import ReplayOptions
-    from ..traces.log_writer import check_log_path, write_log
-    from .scene_output import opening
+    from ..traces.logs.log_writer import check_log_path, write_log
+    from .shared.scene_output import opening
 
     check_log_path(out)
     if frame_log is not None:

@@ -6,8 +6,6 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["report"]
-
 
 def report(
     run: Annotated[
@@ -17,7 +15,7 @@ def report(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """Write DIR/report.html again from comparison.json and the frame logs beside it."""
-    from ..analysis.output import rewrite_report
+    from ..analysis.study.comparison_folder import rewrite_report
 
     target = rewrite_report(run)
     if as_json:

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .scene_hlod import build_hlod
-from .scene_output import check_target, opening, show
-from .scene_picture import check_picture, draw_picture
+from .shared.scene_output import check_target, opening, show
+from .shared.scene_picture import check_picture, draw_picture
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
-    from ..models.build import PlacementOptions
     from ..models.continuous.knots import KnotOptions
-    from ..models.mesh_types import MeshUnits
-    from ..models.scene_file import SceneOrigin
-    from ..models.simplify import ChainOptions
-    from ..models.type_model import TypeModel
+    from ..models.layouts.scene_builder import PlacementOptions
+    from ..models.meshes.mesh_types import MeshUnits
+    from ..models.meshes.simplify import ChainOptions
+    from ..models.meshes.type_model import TypeModel
+    from ..models.scene.scene_file import SceneOrigin
 
 app = typer.Typer(
     name="scene", help="Build scenes from meshes, and look at them.", no_args_is_help=True
@@ -62,12 +62,12 @@ def build(
     """Make levels of detail of meshes, place objects, and write one scene file."""
     import numpy as np
 
-    from ..errors import InputError
-    from ..models.build import PlacementOptions, build_scene
+    from ..base.errors import InputError
     from ..models.continuous.knots import KnotOptions
-    from ..models.mesh_types import MeshUnits
-    from ..models.scene_file import write_scene
-    from ..models.simplify import ChainOptions
+    from ..models.layouts.scene_builder import PlacementOptions, build_scene
+    from ..models.meshes.mesh_types import MeshUnits
+    from ..models.meshes.simplify import ChainOptions
+    from ..models.scene.scene_file import write_scene
 
     check_target(out)
     if seed < 0:
@@ -122,7 +122,7 @@ def info(
     as_json: Json = False,
 ) -> None:
     """Show types, levels of detail with their errors, objects and extent; or a picture of it."""
-    from ..models.scene_catalog import open_scene
+    from ..models.scene.scene_catalog import open_scene
 
     if picture is not None:
         check_picture(picture, frame)
@@ -148,8 +148,8 @@ def _read_types(
     from rich.console import Console
     from rich.progress import track
 
-    from ..models.mesh_error import Sampling
-    from ..models.mesh_types import read_types
+    from ..models.meshes.mesh_error import Sampling
+    from ..models.meshes.mesh_types import read_types
 
     console = Console(stderr=True)
     return list(
@@ -173,8 +173,8 @@ def _origin(
 ) -> "SceneOrigin":
     from dataclasses import asdict
 
-    from .. import __version__
-    from ..models.scene_file import SceneOrigin
+    from ..base.version import __version__
+    from ..models.scene.scene_file import SceneOrigin
 
     options = {"seed": seed, **asdict(units), **asdict(detail), **asdict(placement)}
     sources = tuple(path.name for path in meshes)

@@ -5,9 +5,7 @@ from typing import Annotated
 
 import typer
 
-from .scene_output import check_target, show
-
-__all__ = ["build_hlod"]
+from .shared.scene_output import check_target, show
 
 
 def build_hlod(
@@ -44,15 +42,15 @@ def build_hlod(
 
     import numpy as np
 
-    from .. import __version__
-    from ..errors import InputError
-    from ..models.build import PlacementOptions
-    from ..models.hlod.build import HlodOptions
-    from ..models.hlod.build import build_hlod as build
-    from ..models.hlod.scene import place_trees
-    from ..models.mesh_error import Sampling
-    from ..models.mesh_types import MeshUnits, read_surface
-    from ..models.scene_file import SceneOrigin, write_scene
+    from ..base.errors import InputError
+    from ..base.version import __version__
+    from ..models.hlod.hlod_scene import place_trees
+    from ..models.hlod.hlod_tree import HlodOptions
+    from ..models.hlod.hlod_tree import build_hlod as build
+    from ..models.layouts.scene_builder import PlacementOptions
+    from ..models.meshes.mesh_error import Sampling
+    from ..models.meshes.mesh_types import MeshUnits, read_surface
+    from ..models.scene.scene_file import SceneOrigin, write_scene
 
     check_target(out)
     if seed < 0:

@@ -8,9 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .progress import progress_bar
-
-__all__ = ["stress"]
+from .shared.progress import progress_bar
 
 
 def stress(
@@ -46,13 +44,13 @@ def stress(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """Search camera paths within speed and turn limits for one on which a policy does badly."""
-    from ..analysis import stress as search
-    from ..analysis.inputs import load_trace
-    from ..models.profile_catalog import load_hardware
-    from ..models.scene_catalog import load_scene
+    from ..analysis.study import stress as search
+    from ..analysis.study.inputs import load_trace
+    from ..models.machine.profile_catalog import load_hardware
+    from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import parse_policy
     from ..sim.replay import ReplayOptions
-    from ..traces.write import format_for_writing, write_trace
+    from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out)
     aim = search.check_badness(badness)
@@ -111,7 +109,7 @@ def _text(record: Mapping[str, object], check: list[str]) -> str:
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:
     """Write limits that fail when the policy gets worse on the path, all or nothing."""
-    from ..traces.whole_file import whole_text_file
+    from ..base.whole_file import whole_text_file
 
     text = (
         f"# Found by `lodbench stress {policy}`: the path must not become worse than it is.\n"

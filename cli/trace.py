@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
-    from ..traces.camera import CameraTrace
-    from ..traces.place import Placement
-    from ..traces.stats import Percentiles, TraceStats
+    from ..traces.cameras.camera_trace import CameraTrace
+    from ..traces.cameras.place import Placement
+    from ..traces.cameras.trace_stats import Percentiles, TraceStats
 
 app = typer.Typer(
     name="trace",
@@ -54,8 +54,8 @@ def info(
 
     With --scale, --offset-m, --up or --yaw-deg: of the trace as placed so.
     """
-    from ..traces.place import Placement
-    from ..traces.stats import trace_stats
+    from ..traces.cameras.place import Placement
+    from ..traces.cameras.trace_stats import trace_stats
 
     placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
     format_name, placed = _read_placed(trace, source, placement)
@@ -89,8 +89,8 @@ def convert(
     yaw_deg: Yaw = 0.0,
 ) -> None:
     """Write a trace in another format, placed into a scene if asked."""
-    from ..traces.place import Placement
-    from ..traces.write import format_for_writing, write_trace
+    from ..traces.cameras.place import Placement
+    from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out, target)  # refuses a wrong name before the work
     placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
@@ -127,8 +127,8 @@ def generate(
     as_json: Json = False,
 ) -> None:
     """Make up a trace of one kind of movement."""
-    from ..traces.generate import generate as generate_trace
-    from ..traces.write import format_for_writing, write_trace
+    from ..traces.cameras.generators.generate import generate as generate_trace
+    from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out, target)
     made = generate_trace(
@@ -149,8 +149,8 @@ def _read_placed(
     spec: str, source: str | None, placement: "Placement"
 ) -> tuple[str, "CameraTrace"]:
     """Name of the format that was read, and the trace as placed."""
-    from ..traces.place import place
-    from ..traces.read import format_of, read_trace, split_spec
+    from ..traces.cameras.place import place
+    from ..traces.cameras.read_trace import format_of, read_trace, split_spec
 
     format_name = source or format_of(split_spec(spec)[0]).name
     return format_name, place(read_trace(spec, format_name), placement)

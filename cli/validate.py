@@ -6,10 +6,8 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputError
-from .progress import progress_bar
-
-__all__ = ["POLICIES", "validate"]
+from ..base.errors import InputError
+from .shared.progress import progress_bar
 
 POLICIES = (
     "full",
@@ -90,19 +88,20 @@ def validate(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """Hold simulated against measured: errors of frame times, metrics, and order of policies."""
-    from ..analysis.compare import CompareOptions
-    from ..analysis.inputs import load_trace
-    from ..analysis.recording import RecordOptions, conditions, require_recordable
-    from ..analysis.validation import output, run
-    from ..analysis.validation.result import encode
+    from ..analysis.study.compare import CompareOptions
+    from ..analysis.study.inputs import load_trace
+    from ..analysis.validation import replays as run
+    from ..analysis.validation import validation_folder as output
+    from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
     from ..analysis.validation.validate import require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
-    from ..models.profile_catalog import load_hardware
-    from ..models.scene_catalog import open_scene
-    from ..sim.gl.record import recorded_hardware
+    from ..analysis.validation.validation_result import encode
+    from ..models.machine.profile_catalog import load_hardware
+    from ..models.scene.scene_catalog import open_scene
+    from ..render.gl.recorder import recorded_hardware
     from ..sim.replay import ReplayOptions
     from .record import parse_size
-    from .scene_output import opening
+    from .shared.scene_output import opening
 
     labels = list(policy or POLICIES)
     if len(set(labels)) < len(labels):
@@ -147,7 +146,7 @@ def validate(
         return
     from rich.console import Console
 
-    from ..analysis.validation.table import print_validation
+    from ..analysis.validation.validation_table import print_validation
 
     width = None if sys.stdout.isatty() else 120  # a pipe has no width of its own
     print_validation(validation, Console(width=width, highlight=False))

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
-from ..models.cost import CostModel
-from ..models.scene import Scene
+from ..models.machine.cost import CostModel
+from ..models.scene.scene import Scene
 from .selection import Selection
 from .view import View
-
-__all__ = ["Capabilities", "Oracle", "Policy", "Truth", "why_not_applicable"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +27,37 @@ class Capabilities:
     hierarchy: bool = False
     loader: bool = False
     future: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """Properties that a policy claims, and that the contract checks then hold it to.
+
+    A policy says so with an attribute or property `claims`; without one it claims nothing.
+
+    Attributes
+    ----------
+    budget : bool
+        With the true cost model and no noise, neither the predicted time nor the time itself
+        exceeds the budget, unless that of the coarsest selection does.
+    monotone : bool
+        More budget never lowers the benefit of a frame of a flat scene.
+    settles_frames : int or None
+        Frames after which a camera at rest changes no level any more; None if that may never be.
+    hysteresis : bool
+        A step forward, back and forward again nowhere switches a node twice.
+    """
+
+    budget: bool = False
+    monotone: bool = False
+    settles_frames: int | None = None
+    hysteresis: bool = False
+
+
+def claims_of(policy: object) -> Claims:
+    """Return what a policy, or a class whose claims do not depend on its parameters, claims."""
+    claims = getattr(policy, "claims", None)
+    return claims if isinstance(claims, Claims) else Claims()
 
 
 @runtime_checkable

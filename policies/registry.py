@@ -18,43 +18,34 @@ from typing import Any
 
 import msgspec
 
-from ..errors import InputError
+from ..base.errors import InputError
 from .protocol import Capabilities, Policy
 
-__all__ = [
-    "REGISTERED",
-    "Parameter",
-    "PolicySpec",
-    "default_policies",
-    "parameters",
-    "parse_policy",
-]
-
 REGISTERED = {
-    "full": "full:Full",
-    "static-distance": "static_distance:StaticDistance",
-    "static-screen": "static_screen:StaticScreen",
-    "feedback": "feedback:Feedback",
-    "lodmanager": "lodmanager:LodManager",
-    "funkhouser": "funkhouser:Funkhouser",
-    "gobbetti": "gobbetti:Gobbetti",
-    "gobbetti-custom": "gobbetti_custom:GobbettiCustom",
-    "wimmer": "wimmer:Wimmer",
-    "peng": "peng:Peng",
-    "hlod-hysteresis": "hlod_hysteresis:HlodHysteresis",
-    "mason-blake": "mason_blake:MasonBlake",
-    "maciel": "maciel:Maciel",
-    "erikson": "erikson:Erikson",
-    "zach": "zach:Zach",
-    "screen-space-error": "screen_space_error:ScreenSpaceError",
-    "pixel-error": "pixel_error:PixelError",
-    "cluster-cut": "cluster_cut:ClusterCut",
-    "hoppe": "hoppe:Hoppe",
-    "unity-adaptive": "unity_adaptive:UnityAdaptive",
-    "unreal-dynamic": "unreal_dynamic:UnrealDynamic",
-    "pid": "pid:Pid",
-    "oracle": "oracle:Oracle",
-    "predictive": "predictive:Predictive",
+    "full": "bounds.full:Full",
+    "static-distance": "thresholds.static_distance:StaticDistance",
+    "static-screen": "thresholds.static_screen:StaticScreen",
+    "feedback": "controllers.feedback:Feedback",
+    "lodmanager": "budgets.lodmanager:LodManager",
+    "funkhouser": "budgets.funkhouser:Funkhouser",
+    "gobbetti": "budgets.gobbetti:Gobbetti",
+    "gobbetti-custom": "budgets.gobbetti_custom:GobbettiCustom",
+    "wimmer": "budgets.wimmer:Wimmer",
+    "peng": "budgets.peng:Peng",
+    "hlod-hysteresis": "hierarchies.hlod_hysteresis:HlodHysteresis",
+    "mason-blake": "hierarchies.mason_blake:MasonBlake",
+    "maciel": "hierarchies.maciel:Maciel",
+    "erikson": "hierarchies.erikson:Erikson",
+    "zach": "budgets.zach:Zach",
+    "screen-space-error": "thresholds.screen_space_error:ScreenSpaceError",
+    "pixel-error": "thresholds.pixel_error:PixelError",
+    "cluster-cut": "hierarchies.cluster_cut:ClusterCut",
+    "hoppe": "controllers.hoppe:Hoppe",
+    "unity-adaptive": "controllers.unity_adaptive:UnityAdaptive",
+    "unreal-dynamic": "controllers.unreal_dynamic:UnrealDynamic",
+    "pid": "controllers.pid:Pid",
+    "oracle": "bounds.oracle:Oracle",
+    "predictive": "controllers.predictive:Predictive",
 }
 """Class of each registered policy, as ``module:Class`` in this package."""
 
@@ -91,10 +82,8 @@ class PolicySpec:
     def make(self) -> Policy:
         """Return a new policy.
 
-        Raises
-        ------
-        InputError
-            If the class refuses the parameters, or says nothing of its capabilities.
+        Raises `InputError` if the class refuses the parameters, or says nothing of its
+        capabilities.
         """
         try:
             policy = self.cls(**self.params)
@@ -119,10 +108,7 @@ def default_policies() -> tuple[str, ...]:
 def parameters(cls: type[Any]) -> list[Parameter]:
     """Return the keyword parameters of a policy class, in order.
 
-    Raises
-    ------
-    InputError
-        If an annotation does not resolve, so that values could not be converted.
+    Raises `InputError` if an annotation does not resolve, so that values could not be converted.
     """
     try:
         hints = typing.get_type_hints(cls.__init__)
@@ -140,11 +126,8 @@ def parameters(cls: type[Any]) -> list[Parameter]:
 def parse_policy(text: str) -> PolicySpec:
     """Return the policy that a command line names.
 
-    Raises
-    ------
-    InputError
-        If the name or a key is unknown (the nearest is suggested), a value does not convert, or a
-        user's file or class cannot be loaded.
+    Raises `InputError` if the name or a key is unknown (the nearest is suggested), a value does not
+    convert, or a user's file or class cannot be loaded.
     """
     name, given = _split(text)
     cls = _find(name)

@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..models.arrays import FloatArray, IntArray
-from ..models.scene import Scene
-from ..models.tree import Tree
-
-__all__ = ["Selection", "Work", "find_violation"]
+from ..base.arrays import FloatArray, IntArray
+from ..models.scene.scene import Scene
+from ..models.scene.tree import Tree
 
 
 @dataclass(frozen=True, slots=True)

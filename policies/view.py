@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.arrays import BoolArray, FloatArray, IntArray
-from ..models.camera import Camera, eccentricity_deg, projected_area_px
-from ..models.scene import Scene
-from .completed import Completed
+from ..base.arrays import BoolArray, FloatArray, IntArray
+from ..models.scene.camera import Camera, eccentricity_deg, projected_area_px
+from ..models.scene.scene import Scene
+from .frame_times import Completed
 from .selection import Selection
-
-__all__ = ["FrameState", "View"]
 
 
 @dataclass(frozen=True, slots=True)

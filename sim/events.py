@@ -8,8 +8,6 @@ they were scheduled.
 from collections.abc import Callable
 from heapq import heappop, heappush
 
-__all__ = ["EventQueue", "Handler"]
-
 Handler = Callable[[int, int], None]
 """Called with the time in ns and the subject (a frame index, a request) of the event."""
 

@@ -7,9 +7,7 @@ Users report timers that lose a frame, read zero after a stall, repeat an old va
 import math
 from dataclasses import dataclass
 
-from ..errors import InputError
-
-__all__ = ["Faults", "Report"]
+from ..base.errors import InputError
 
 Report = tuple[float, float, float]
 """CPU, GPU and work milliseconds of one frame."""

@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..models.arrays import FloatArray
-from ..models.predictors import LEVEL_PREDICTORS
-
-__all__ = ["COUNTS", "TIMES", "FrameLog", "LogHeader"]
+from ..base.arrays import FloatArray
+from ..base.errors import InputError
+from ..base.predictors import LEVEL_PREDICTORS
 
 TIMES = (
     "input_ns",  # the camera was sampled and CPU work began

@@ -6,11 +6,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..errors import InputError
-from ..traces.whole_file import whole_file
+from ..base.errors import InputError
+from ..base.whole_file import whole_file
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
-
-__all__ = ["read_frame_log", "write_frame_log"]
 
 _SCHEMA = b"lodbench.frame-log/1"
 _ADVICE = "give frames/<policy>.parquet of a run of `lodbench compare`"
@@ -31,10 +29,7 @@ def write_frame_log(path: str | Path, log: FrameLog) -> None:
 def read_frame_log(path: str | Path) -> FrameLog:
     """Read a frame log that `write_frame_log` wrote.
 
-    Raises
-    ------
-    InputError
-        If the file is missing, is no Parquet, or has another schema.
+    Raises `InputError` if the file is missing, is no Parquet, or has another schema.
     """
     table = _read_table(Path(path))
     metadata: dict[bytes, bytes] = table.schema.metadata or {}

@@ -11,15 +11,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..models.arrays import BoolArray, IntArray
-from ..models.hardware import HardwareProfile
-from ..models.scene import Scene
+from ..base.arrays import BoolArray, IntArray
+from ..base.errors import InputError
+from ..models.machine.hardware import HardwareProfile
+from ..models.scene.scene import Scene
 from ..policies.selection import Selection
 from ..policies.view import View
 from .events import EventQueue
-
-__all__ = ["CHUNK_BYTES", "AllInMemory", "Loader", "Memory", "find_not_resident", "make_memory"]
 
 CHUNK_BYTES = 65_536
 """Bytes of one incremental read: a third of a millisecond at 200 MB/s."""
@@ -62,10 +60,7 @@ def make_memory(
 
     A node's bytes are those of all levels of its type; two nodes of one type are read separately.
 
-    Raises
-    ------
-    InputError
-        If the roots do not fit the bound.
+    Raises `InputError` if the roots do not fit the bound.
     """
     levels = scene.types.levels
     if not streaming:

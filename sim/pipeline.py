@@ -9,11 +9,9 @@ from array import array
 from collections import deque
 from typing import Protocol
 
-from ..models.hardware import Display
+from ..models.machine.hardware import Display
 from .events import EventQueue
 from .screens import make_screen
-
-__all__ = ["FrameSource", "Pipeline"]
 
 _GPU_PRIORITY, _CPU_PRIORITY = 0, 2
 

@@ -6,30 +6,28 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..errors import InputError, PolicyError
-from ..models.arrays import BoolArray, FloatArray
-from ..models.camera import Camera
-from ..models.frustum import Culler
-from ..models.hardware import HardwareProfile
-from ..models.scene import Scene
-from ..models.tree import Tree
+from ..base.arrays import BoolArray, FloatArray
+from ..base.errors import InputError, PolicyError
+from ..models.machine.hardware import HardwareProfile
+from ..models.scene.camera import Camera
+from ..models.scene.frustum import Culler
+from ..models.scene.scene import Scene
+from ..models.scene.tree import Tree
 from ..policies.protocol import Oracle, Policy, Truth
 from ..policies.selection import Selection, find_violation
 from ..policies.view import FrameState, View
-from ..traces.camera import CameraTrace
-from .accounting import Accounting
-from .bound import BenefitBound
-from .extraction import IndexSets
+from ..traces.cameras.camera_trace import CameraTrace
+from .accounting.accounting import Accounting
+from .accounting.benefit_bound import BenefitBound
+from .accounting.extraction import IndexSets
+from .accounting.fronts import Fronts
+from .accounting.quality import FlatQuality, TreeQuality, screen_errors
 from .faults import Faults
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
-from .fronts import Fronts
+from .frame_timer import FrameTimer
 from .loader import find_not_resident, make_memory
-from .machine import Machine, SimulatedMachine, Submitted
-from .measure import FrameTimer
 from .pipeline import Pipeline
-from .quality import FlatQuality, TreeQuality, screen_errors
-
-__all__ = ["ReplayOptions", "replay"]
+from .simulated_machine import Machine, SimulatedMachine, Submitted
 
 _NS_PER_MS = 1e6
 _MAX_FRAMES = 10_000_000

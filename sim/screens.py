@@ -8,10 +8,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from ..models.hardware import Display
+from ..models.machine.hardware import Display
 from .events import EventQueue
-
-__all__ = ["DROPPED_NS", "Immediate", "Mailbox", "Screen", "Vrr", "Vsync", "make_screen"]
 
 DROPPED_NS = -2
 """Time that a screen reports for a frame that it will never show."""

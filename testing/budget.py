@@ -5,22 +5,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..analysis.gate.check import Plan, judge_measured, measure_plan
 from ..analysis.gate.limits_file import choose_limits
-from ..analysis.gate.measure import Sampling
-from ..analysis.gate.run import Plan, judge_measured, measure_plan
-from ..analysis.gate.text import describe, describe_failures
-from ..analysis.inputs import load_trace
-from ..models.hardware import HardwareProfile
-from ..models.profile_catalog import load_hardware
-from ..models.scene import Scene
-from ..models.scene_catalog import load_scene
+from ..analysis.gate.measurements import Sampling
+from ..analysis.gate.plain_text import describe, describe_failures
+from ..analysis.study.inputs import load_trace
+from ..models.machine.hardware import HardwareProfile
+from ..models.machine.profile_catalog import load_hardware
+from ..models.scene.scene import Scene
+from ..models.scene.scene_catalog import load_scene
 from ..policies.registry import parse_policy
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions, replay
-from ..traces.camera import CameraTrace
+from ..traces.cameras.camera_trace import CameraTrace
 from .naming import name_policy
-
-__all__ = ["FrameBudget", "assert_budget", "replay_policy"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

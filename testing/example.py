@@ -4,17 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..models.hardware import HardwareProfile
-from ..models.scene import Scene
-from ..policies.checks.driver import coarsest, frame_ms
+from ..models.machine.hardware import HardwareProfile
+from ..models.scene.scene import Scene
 from ..policies.protocol import Capabilities, Oracle, Policy, Truth
 from ..policies.selection import Selection
 from ..policies.view import View
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions, replay
-from ..traces.camera import CameraTrace
-
-__all__ = ["Example", "Factory", "Played"]
+from ..traces.cameras.camera_trace import CameraTrace
+from .checks.driver import coarsest, frame_ms
 
 Factory = Callable[[], Policy]
 

@@ -7,15 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import PolicyError
-from ..models.profile_writer import write_profile
-from ..models.scene_file import write_scene
-from ..traces.write import write_trace
+from ..base.errors import PolicyError
+from ..models.machine.profile_writer import write_profile
+from ..models.scene.scene_file import write_scene
+from ..traces.cameras.write_trace import write_trace
 from .example import Example, Factory
 from .naming import name_policy
-from .picture import draw_frame_times
-
-__all__ = ["Failure", "write_failure"]
+from .time_picture import draw_frame_times
 
 
 @dataclass(frozen=True, slots=True)

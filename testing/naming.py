@@ -4,8 +4,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-__all__ = ["name_policy"]
-
 
 def name_policy(policy: str | type[Any]) -> str:
     """Return the text that `parse_policy` makes the policy of.

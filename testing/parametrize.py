@@ -6,12 +6,10 @@ from typing import Any
 
 import pytest
 
-from ..policies.claims import claims_of
+from ..policies.protocol import claims_of
 from .example import Factory
 from .properties import PROPERTIES
 from .property import Property
-
-__all__ = ["parametrize_with_properties"]
 
 
 def parametrize_with_properties(

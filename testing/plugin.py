@@ -14,15 +14,6 @@ import pytest
 if TYPE_CHECKING:  # loaded by the fixtures, so that other people's tests start as quickly as ever
     from .budget import FrameBudget
 
-__all__ = [
-    "assert_budget",
-    "frame_budget",
-    "pytest_addoption",
-    "pytest_collection_modifyitems",
-    "pytest_configure",
-    "replay",
-]
-
 _MARKER = "lodbench_sweep"
 _OPTION = "--lodbench-sweeps"
 

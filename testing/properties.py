@@ -9,24 +9,13 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from ..models.hardware import Display, HardwareProfile
-from ..policies.checks.scenes import renumbered
+from ..models.machine.hardware import Display, HardwareProfile
 from ..policies.protocol import Capabilities
+from .checks.check_scenes import renumbered
 from .example import Example, Factory, Played
 from .failure import Failure
 from .property import Property
 from .worlds import load_steps, still_worlds, worlds
-
-__all__ = [
-    "PROPERTIES",
-    "budget_is_kept",
-    "lag_is_bounded",
-    "load_steps_settle",
-    "more_budget_is_never_worse",
-    "nothing_toggles_at_rest",
-    "order_does_not_matter",
-    "reset_forgets",
-]
 
 _ROUNDING = 1e-9
 _SAME_DETAIL = 1e-6

@@ -10,13 +10,10 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Flaky
 from hypothesis.strategies import SearchStrategy
 
-from ..errors import PolicyError
-from ..policies.claims import Claims, claims_of
-from ..policies.protocol import Capabilities
+from ..base.errors import PolicyError
+from ..policies.protocol import Capabilities, Claims, claims_of
 from .example import Example, Factory
 from .failure import Failure, write_failure
-
-__all__ = ["FAILURES", "Property", "PropertyFailedError"]
 
 FAILURES = Path("lodbench-failures")
 """Where failing examples are written unless told otherwise, a folder a policy and property."""

@@ -11,20 +11,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from ..models.camera import Camera
-from ..models.cost import CostModel, CpuCostModel
-from ..models.frustum import Culler
-from ..models.hardware import Display, HardwareProfile, Provenance
-from ..models.levels import LevelTable
-from ..models.predictors import LEVEL_PREDICTORS
-from ..models.residual import Residual
-from ..models.scene import ObjectTypes, Scene
-from ..policies.completed import Completed
+from ..base.predictors import LEVEL_PREDICTORS
+from ..models.machine.cost import CostModel, CpuCostModel
+from ..models.machine.hardware import Display, HardwareProfile, Provenance
+from ..models.machine.residual import Residual
+from ..models.scene.camera import Camera
+from ..models.scene.frustum import Culler
+from ..models.scene.levels import LevelTable
+from ..models.scene.scene import ObjectTypes, Scene
+from ..policies.frame_times import Completed
 from ..policies.view import FrameState, View
-from ..traces.camera import CameraTrace
-from ..traces.orientation import look_along
-
-__all__ = ["hardware_profiles", "scenes", "traces", "views"]
+from ..traces.cameras.camera_trace import CameraTrace
+from ..traces.cameras.orientation import look_along
 
 _EYE_M = 1.65
 _LEG_S = 0.1

@@ -5,15 +5,13 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from ..models.hardware import HardwareProfile
-from ..models.scene import Scene
+from ..models.machine.hardware import HardwareProfile
+from ..models.scene.scene import Scene
 from ..policies.protocol import Capabilities
-from ..traces.camera import CameraTrace
-from ..traces.orientation import look_along
+from ..traces.cameras.camera_trace import CameraTrace
+from ..traces.cameras.orientation import look_along
 from .example import Example
 from .strategies import hardware_profiles, scenes, traces
-
-__all__ = ["load_steps", "still_worlds", "worlds"]
 
 _EYE_M = 1.65
 _STEP_S = 5e-5  # after the first frame has begun, before the second

@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from lodbench.errors import InputError
-from lodbench.models.camera import Camera
-from lodbench.models.cost import CostModel, CpuCostModel
-from lodbench.models.frustum import Culler
-from lodbench.models.hardware import Display, HardwareProfile, Provenance
-from lodbench.models.levels import LevelTable
-from lodbench.models.predictors import LEVEL_PREDICTORS
-from lodbench.models.residual import Residual
-from lodbench.models.scene import ObjectTypes, Scene
-from lodbench.policies.completed import Completed
+from lodbench.base.errors import InputError
+from lodbench.base.predictors import LEVEL_PREDICTORS
+from lodbench.models.machine.cost import CostModel, CpuCostModel
+from lodbench.models.machine.hardware import Display, HardwareProfile, Provenance
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.frustum import Culler
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import ObjectTypes, Scene
+from lodbench.policies.frame_times import Completed
 from lodbench.policies.view import FrameState, View
-from lodbench.sim.gl.context import open_target
-from lodbench.traces.camera import CameraTrace
+from lodbench.render.gl.context import open_target
+from lodbench.traces.cameras.camera_trace import CameraTrace
 
 # The same examples in every run of CI, so that a failure there is about the change.
 settings.register_profile("ci", derandomize=True, deadline=None)

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
-from ...models.arrays import BoolArray, FloatArray
-from .sample import Sample
+from ...base.arrays import BoolArray, FloatArray
+from ...base.errors import InputError
+from .fit_frames import Sample
 from .terms import Term
-
-__all__ = ["BASE", "ROOFLINE", "Design", "design_of"]
 
 BASE = "base"
 ROOFLINE = "roofline."
@@ -70,10 +68,8 @@ class Design:
 def design_of(sample: Sample, terms: Sequence[Term], unit: FloatArray | None = None) -> Design:
     """Return the design of a sample, in its own units or in those given.
 
-    Raises
-    ------
-    InputError
-        If a column is the same in all frames, so that it cannot be told from the base.
+    Raises `InputError` if a column is the same in all frames, so that it cannot be told from the
+    base.
     """
     additive: dict[str, FloatArray] = {BASE: np.ones(len(sample))}
     roofline: dict[str, FloatArray] = {}

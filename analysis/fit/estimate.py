@@ -7,21 +7,24 @@ from typing import Literal
 
 import numpy as np
 
-from ...errors import InputError
-from ...models.arrays import FloatArray
-from .dependence import frame_worth
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from .assessment.dependence import frame_worth
+from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
-from .likelihood import GaussianLikelihood, Likelihood, QuadraticLikelihood, StudentLikelihood
-from .optimum import highest, quadratic, starts
-from .posterior import LogPosterior
-from .predictive import Draws
-from .priors import Priors
-from .sample import Sample
-from .sampler import Chain, Progress, SamplerOptions
-from .sampler import sample as sample_chain
+from .fit_frames import Sample
+from .sampling.likelihood import (
+    GaussianLikelihood,
+    Likelihood,
+    QuadraticLikelihood,
+    StudentLikelihood,
+)
+from .sampling.optimum import highest, quadratic, starts
+from .sampling.posterior import LogPosterior
+from .sampling.priors import Priors
+from .sampling.sampler import Chain, Progress, SamplerOptions
+from .sampling.sampler import sample as sample_chain
 from .terms import Term
-
-__all__ = ["MANY_FRAMES", "Estimate", "Model", "estimate", "posterior_of"]
 
 Model = Literal["student-t", "gaussian"]
 
@@ -66,10 +69,7 @@ def posterior_of(
 ) -> tuple[Design, LogPosterior, FloatArray]:
     """Return design, log-posterior and its optimum.
 
-    Raises
-    ------
-    InputError
-        If there are too few frames, or a column is constant.
+    Raises `InputError` if there are too few frames, or a column is constant.
     """
     design = design_of(sample, terms)
     if len(sample) < len(design.names) + 2:

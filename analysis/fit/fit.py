@@ -7,22 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError
-from ...models.arrays import FloatArray
-from ...traces.log_checks import Finding, check_log
-from ...traces.renderlog import Rejection, RenderLog, TimeName
-from .choose_terms import Candidate, candidate_predictors, choose_terms
-from .collinearity import Collinearity, examine
-from .diagnostics import Diagnostics, diagnose
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...traces.logs.log_checks import Finding, check_log
+from ...traces.logs.render_log import Rejection, RenderLog, TimeName
+from .assessment.choose_terms import Candidate, candidate_predictors, choose_terms
+from .assessment.collinearity import Collinearity, examine
+from .assessment.heldout import SPLITS, HeldOut, hold_out, judge
+from .assessment.posterior_predictive import Check, check_predictive
+from .assessment.sensitivity import Sensitivity, sensitivity
 from .estimate import Estimate, Model, estimate
-from .heldout import SPLITS, HeldOut, hold_out, judge
-from .predictive import Check, check_predictive
-from .sample import Sample, gather
-from .sampler import Progress, SamplerOptions
-from .sensitivity import Sensitivity, sensitivity
+from .fit_frames import Sample, gather
+from .sampling.diagnostics import Diagnostics, diagnose
+from .sampling.sampler import Progress, SamplerOptions
 from .terms import Term, parse_terms, predictors_of
-
-__all__ = ["Fit", "FitOptions", "Source", "fit_logs", "target_of"]
 
 AUTO = "auto"
 NO_SPLIT = "none"
@@ -98,18 +96,15 @@ def fit_logs(
 ) -> Fit:
     """Fit the logs together.
 
+    Raises `InputError` if a log cannot support the fit: its times carry no cost, it lacks a
+    predictor, none varies, or frames are too few.
+
     Parameters
     ----------
     transfer
         Other logs, to be predicted.
     resume
         File that keeps the chain, so that an interrupted run goes on.
-
-    Raises
-    ------
-    InputError
-        If a log cannot support the fit: its times carry no cost, it lacks a predictor, none
-        varies, or frames are too few.
     """
     logs = [source.log for source in sources]
     if options.heldout not in (*SPLITS, AUTO, NO_SPLIT):
@@ -159,10 +154,7 @@ def fit_logs(
 def target_of(log: RenderLog) -> TimeName:
     """Return the time to fit where none is asked for: the GPU's, or the frame's if that is unfit.
 
-    Raises
-    ------
-    InputError
-        If neither carries cost, with the reason of each.
+    Raises `InputError` if neither carries cost, with the reason of each.
     """
     refused = {finding.column: finding.message for finding in check_log(log) if finding.refuse}
     reasons: list[str] = []

@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...models.arrays import FloatArray
-from ...models.residual import Residual, ResidualKind
-
-__all__ = ["residual_model"]
+from ...base.arrays import FloatArray
+from ...models.machine.residual import Residual, ResidualKind
 
 _DIGITS = 4
 _MOST = 20_000  # innovations whose tails are looked at

@@ -5,10 +5,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
-from .sampler import Chain
-
-__all__ = ["require_plots", "write_plots"]
+from ...base.errors import InputError
+from .sampling.sampler import Chain
 
 _MOST_POINTS = 20_000
 
@@ -26,10 +24,7 @@ def require_plots() -> None:
 def write_plots(chain: Chain, folder: Path) -> tuple[Path, ...]:
     """Write ``trace.png`` and ``corner.png`` into a folder and return their paths.
 
-    Raises
-    ------
-    InputError
-        If the extra is not installed.
+    Raises `InputError` if the extra is not installed.
     """
     require_plots()
     folder.mkdir(parents=True, exist_ok=True)

@@ -10,10 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ...errors import InputError
-from ...traces.renderlog import CPU_COUNTS, GPU_COUNTS
-
-__all__ = ["Term", "parse_terms", "predictors_of"]
+from ...base.errors import InputError
+from ...traces.logs.render_log import CPU_COUNTS, GPU_COUNTS
 
 _COUNTS = tuple(dict.fromkeys((*GPU_COUNTS, *CPU_COUNTS)))
 _NAME = re.compile(r"([a-z_]+)(\[[^\[\],]+\])?")
@@ -41,10 +39,8 @@ class Term:
 def parse_terms(text: str) -> tuple[Term, ...]:
     """Return the terms in `text`.
 
-    Raises
-    ------
-    InputError
-        If a term is empty, repeated, or names no predictor; or if there are two rooflines.
+    Raises `InputError` if a term is empty, repeated, or names no predictor; or if there are two
+    rooflines.
     """
     pieces = [piece.strip() for piece in re.split(r",(?![^(\[]*[)\]])", text)]
     terms = tuple(_parse(piece, text) for piece in pieces)

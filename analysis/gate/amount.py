@@ -5,8 +5,6 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["Amount", "parse_amount"]
-
 _SHARE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*%\s*")
 _FRAMES = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*frames?\s*")
 

@@ -8,13 +8,11 @@ from typing import Literal
 import msgspec
 import numpy as np
 
-from ...errors import InputError
-from ...models.arrays import FloatArray
-from ...traces.whole_file import whole_file
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...base.whole_file import whole_file
 from .limits import Limits
-from .measure import Conditions, Measured
-
-__all__ = ["Baseline", "Entry", "make_baseline", "read_baseline", "write_baseline"]
+from .measurements import Conditions, Measured
 
 _SCHEMA = "lodbench.baseline/1"
 _UPDATE = "write it again with `lodbench check --update-baseline`"
@@ -88,10 +86,7 @@ def write_baseline(path: Path, baseline: Baseline) -> None:
 def read_baseline(path: Path, conditions: Conditions) -> Baseline:
     """Read a baseline of a measurement under these conditions.
 
-    Raises
-    ------
-    InputError
-        If it is missing, not a baseline, or of other conditions.
+    Raises `InputError` if it is missing, not a baseline, or of other conditions.
     """
     try:
         baseline = msgspec.json.decode(path.read_bytes(), type=Baseline)

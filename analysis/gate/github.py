@@ -7,10 +7,8 @@ properties also ``:`` and ``,``.
 from collections.abc import Iterator
 from pathlib import Path
 
-from .report import Report
-from .text import describe
-
-__all__ = ["annotations"]
+from .check_result import Report
+from .plain_text import describe
 
 _DATA = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _PROPERTY = {**_DATA, ":": "%3A", ",": "%2C"}

@@ -4,12 +4,10 @@ from itertools import groupby
 from pathlib import Path
 from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 
-from ...traces.whole_file import whole_file
-from .report import Report
-from .text import describe, explain
-from .verdict import Verdict
-
-__all__ = ["write_junit"]
+from ...base.whole_file import whole_file
+from .check_result import Report
+from .judgement import Verdict
+from .plain_text import describe, explain
 
 
 def write_junit(path: Path, report: Report) -> None:

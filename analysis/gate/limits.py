@@ -7,8 +7,6 @@ from typing import Literal
 
 from .amount import Amount
 
-__all__ = ["Kind", "Limit", "Limits", "Rule"]
-
 Kind = Literal["max", "min", "max_increase", "max_decrease"]
 
 

@@ -6,12 +6,10 @@ import tomllib
 from pathlib import Path
 from typing import Any, NoReturn, cast, get_args
 
-from ...errors import InputError
-from ..metrics.registry import find_metric
+from ...base.errors import InputError
+from ..metrics.metric_registry import find_metric
 from .amount import Amount, parse_amount
 from .limits import Kind, Limit, Limits, Rule
-
-__all__ = ["DEFAULT_LIMITS", "choose_limits", "parse_limits", "read_limits"]
 
 DEFAULT_LIMITS = """
 [limits]
@@ -45,10 +43,7 @@ def choose_limits(path: Path | None, baseline: Path, *, updating: bool = False) 
 def read_limits(path: Path) -> Limits:
     """Read a file of limits.
 
-    Raises
-    ------
-    InputError
-        If it is missing, not TOML, or not as `parse_limits` expects.
+    Raises `InputError` if it is missing, not TOML, or not as `parse_limits` expects.
     """
     try:
         if path.stat().st_size > _LARGEST_BYTES:
@@ -71,10 +66,7 @@ def parse_limits(text: str, path: Path | None = None) -> Limits:
     ``[limits]`` is for everything, each ``[[for]]`` with `limits` for what its `policy`, `scene`
     and `trace` match (``*`` stands for any text).
 
-    Raises
-    ------
-    InputError
-        If a key, metric or amount is not as it has to be.
+    Raises `InputError` if a key, metric or amount is not as it has to be.
     """
     return _Reader(text, path).read()
 

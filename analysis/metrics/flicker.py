@@ -1,7 +1,7 @@
 """Flicker: how often and how visibly the level of detail switches."""
 
+from .measured_frames import Run
 from .metric import metric
-from .run import Run
 from .statistic import Statistic, mean
 
 __all__: list[str] = []

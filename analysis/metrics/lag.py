@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from ...models.arrays import FloatArray
+from ...base.arrays import FloatArray
+from .measured_frames import Run
 from .metric import metric
-from .run import Run
 from .statistic import Statistic, mean, quantile, sd
 from .steps import find_steps
-
-__all__ = ["prediction_error_pct"]
 
 
 @metric("lag", "ms", "lower")

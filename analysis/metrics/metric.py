@@ -5,10 +5,8 @@ from dataclasses import dataclass
 from inspect import cleandoc
 from typing import Literal
 
-from .run import Run
+from .measured_frames import Run
 from .statistic import Statistic
-
-__all__ = ["GROUPS", "Better", "Group", "Metric", "metric"]
 
 Better = Literal["lower", "higher"]
 Group = Literal["stability", "lag", "flicker", "quality", "work"]

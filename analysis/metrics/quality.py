@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from .measured_frames import Run
 from .metric import metric
-from .run import Run
 from .statistic import Statistic, mean, ratio
 
 __all__: list[str] = []

@@ -6,9 +6,9 @@ larger of CPU and GPU time, which no refresh quantises.  Budget metrics judge ``
 
 import numpy as np
 
-from ...models.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray
+from .measured_frames import Run
 from .metric import metric
-from .run import Run
 from .statistic import (
     Statistic,
     fps_low_integral,
@@ -20,8 +20,6 @@ from .statistic import (
     ratio,
     sd,
 )
-
-__all__ = ["hitch_flags", "moving_average_ms", "run_lengths"]
 
 _HITCH_MS, _HITCH_RATIO, _HITCH_DEAD_NS = 60.0, 1.5, 200_000_000
 _STUTTER_FACTOR, _SPIKE_FACTOR = 2.5, 3.0

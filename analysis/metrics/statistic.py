@@ -12,19 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.arrays import FloatArray, IntArray
-
-__all__ = [
-    "Statistic",
-    "fps_low_integral",
-    "fps_low_mean",
-    "fps_of_quantile",
-    "maximum",
-    "mean",
-    "quantile",
-    "ratio",
-    "sd",
-]
+from ...base.arrays import FloatArray, IntArray
 
 _LARGEST_MATRIX = 2_000_000
 """Values of one matrix of resamples: 16 MB, so that long runs do not exhaust memory."""

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...models.arrays import BoolArray
-from .run import MS_PER_NS, Run
-
-__all__ = ["Step", "find_steps"]
+from ...base.arrays import BoolArray
+from .measured_frames import MS_PER_NS, Run
 
 RISE = 1.25
 """A step is a rise of the load by a quarter..."""

@@ -5,19 +5,12 @@ from typing import Any
 import numpy as np
 
 from ...sim.frame_log import FrameLog
-from ..comparison import Comparison
-from ..metrics.run import Run
+from ..metrics.measured_frames import Run
 from ..metrics.steps import Step
+from ..study.comparison import Comparison
 from .palette import Ink
 from .series import bin_means, envelope, tail
 from .style import BUDGET, line_of, shortened, styled
-
-__all__ = [
-    "distribution_chart",
-    "largest_steps",
-    "step_chart",
-    "time_chart",
-]
 
 _BUCKETS = 700
 _BIN_S = 0.5

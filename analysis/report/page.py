@@ -4,8 +4,6 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-__all__ = ["chart_html", "fill_page"]
-
 _FOLDER = Path(__file__).parent
 _CONFIG = {"displayModeBar": False, "responsive": True}
 

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..comparison import Comparison
-
-__all__ = ["Ink", "inks"]
+from ..study.comparison import Comparison
 
 # Okabe and Ito, "Color universal design", 2008: told apart with any colour vision; without its
 # black and yellow, which vanish on a dark and on a light page.

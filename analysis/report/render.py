@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from ...sim.frame_log import FrameLog
-from ..comparison import Comparison
-from ..table import describe_run
+from ..study.comparison import Comparison
 from . import charts, tables, tradeoffs
 from .page import chart_html, fill_page
 from .palette import inks
-
-__all__ = ["render_report"]
+from .terminal_table import describe_run
 
 _PAGE = Path(__file__).with_name("page.html")
 

@@ -4,9 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...models.arrays import FloatArray
-
-__all__ = ["bin_means", "envelope", "tail"]
+from ...base.arrays import FloatArray
 
 
 def envelope(x: FloatArray, y: FloatArray, buckets: int) -> tuple[FloatArray, FloatArray]:

@@ -5,10 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..comparison import PolicyResult
+from ..study.comparison import PolicyResult
 from .palette import Ink
-
-__all__ = ["BUDGET", "line_of", "shortened", "styled"]
 
 BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}
 

@@ -3,23 +3,12 @@
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from ... import __version__
-from ..comparison import Comparison, PolicyResult, Score
-from ..metrics.registry import METRICS, find_metric
+from ...base.version import __version__
+from ..metrics.metric_registry import METRICS, find_metric
 from ..metrics.steps import APART_NS, Step
-from ..table import ABSENT, HEADLINE, best_labels, format_value, unscored
+from ..study.comparison import Comparison, PolicyResult, Score
 from .palette import Ink
-
-__all__ = [
-    "facts_table",
-    "failures",
-    "headline",
-    "html_table",
-    "metric_table",
-    "provenance",
-    "step_table",
-    "verdicts",
-]
+from .terminal_table import ABSENT, HEADLINE, best_labels, format_value, unscored
 
 _LEADERS = (
     ("Budget kept best", "over_budget_fraction"),

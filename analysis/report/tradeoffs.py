@@ -2,13 +2,11 @@
 
 from typing import Any
 
-from ..comparison import Comparison, PolicyResult
 from ..metrics.metric import Metric
-from ..metrics.registry import find_metric
+from ..metrics.metric_registry import find_metric
+from ..study.comparison import Comparison, PolicyResult
 from .palette import Ink
 from .style import styled
-
-__all__ = ["duel_chart", "pareto_chart"]
 
 _LOSE_TO_WIN = [[0, "#dd8452"], [0.5, "rgba(136,136,136,0.15)"], [1, "#3d85b8"]]
 _NARROW = 8

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["kendall_tau"]
-
 
 def kendall_tau(first: Sequence[float | None], second: Sequence[float | None]) -> float | None:
     """Return Kendall's τ-b of paired values: 1 for the same order, −1 for the reverse.

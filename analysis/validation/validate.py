@@ -5,22 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import InputError
-from ...models.arrays import FloatArray
-from ...models.cost import CostModel
-from ...models.hardware import HardwareProfile
-from ...models.predictors import GPU_PREDICTORS
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...base.predictors import GPU_PREDICTORS
+from ...models.machine.cost import CostModel
+from ...models.machine.hardware import HardwareProfile
 from ...sim.frame_log import FrameLog
-from ...traces.log_writer import header_text
-from ..comparison import Comparison
-from ..metrics.registry import METRICS
-from ..metrics.run import Run
-from .errors import adapted_ms, at_times, summarise
+from ...traces.logs.log_writer import header_text
+from ..metrics.measured_frames import Run
+from ..metrics.metric_registry import METRICS
+from ..study.comparison import Comparison
 from .ranks import kendall_tau
-from .result import Agreement, Errors, PolicyValidation, Rank, Validation
-
-__all__ = ["Measured", "Pair", "price_ms", "require_other_frames", "require_priced", "validate"]
-
+from .time_errors import adapted_ms, at_times, summarise
+from .validation_result import Agreement, Errors, PolicyValidation, Rank, Validation
 
 UNRECORDED = ("splats", "texture_bytes")
 """GPU predictors that a recording does not count."""
@@ -105,16 +102,13 @@ def validate(
 ) -> Validation:
     """Return how simulation and recordings agree.
 
+    Raises `InputError` if a recording holds no more than the warm-up and one frame.
+
     Parameters
     ----------
     comparison : of the simulated replays
     pairs : by label, in the order of the policies
     log : header of the recordings
-
-    Raises
-    ------
-    InputError
-        If a recording holds no more than the warm-up and one frame.
     """
     warmup = comparison.warmup
     for label, pair in pairs.items():

@@ -6,10 +6,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, frozen_array
+from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from .quadrics import point_monomials, surface_quadrics
-
-__all__ = ["Contraction", "contract"]
 
 _Candidate: TypeAlias = tuple[float, int, int, int, int]
 

@@ -4,11 +4,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
+from ...base.errors import InputError
 from .index_set import ExtractionWork
-
-__all__ = ["Foliage", "Leaves", "collapse_leaves", "leaf_triangles"]
 
 _NEIGHBOURS = 6
 _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for anew
@@ -79,10 +77,7 @@ class Foliage:
     def extract(self, count: int) -> IntArray:
         """Return the rows of the leaves drawn at exactly this count.
 
-        Raises
-        ------
-        InputError
-            If the count is not between the fewest and all leaves.
+        Raises `InputError` if the count is not between the fewest and all leaves.
         """
         least = self.full - self.steps
         if not least <= count <= self.full:

@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from ...errors import InputError
-from ..geometry import LevelMesh
-from ..mesh_error import ErrorMeter, Sampling
-from ..predictors import LEVEL_PREDICTORS
-from ..type_model import TypeModel
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ..meshes.geometry import LevelMesh
+from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.type_model import TypeModel
 from .foliage import Foliage, Leaves, leaf_triangles
-
-__all__ = ["foliage_type"]
 
 
 def foliage_type(
@@ -17,15 +15,12 @@ def foliage_type(
 ) -> TypeModel:
     """Return the knots of a foliage, geometrically spaced from all leaves to the fewest.
 
+    Raises `InputError` if there are too few or too many knots.
+
     Parameters
     ----------
     knots : at most; 2 to 256
     least : leaves of the coarsest knot, if the foliage collapses so far
-
-    Raises
-    ------
-    InputError
-        If there are too few or too many knots.
     """
     if not 2 <= knots <= 256:
         raise InputError(f"knots: expected 2 to 256, got {knots}")

@@ -4,10 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import IntArray
+from ...base.arrays import IntArray
 from .ordered_mesh import OrderedMesh, substitute
-
-__all__ = ["ExtractionWork", "IndexSet"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +49,7 @@ class IndexSet:
     def change(self, triangles: int) -> ExtractionWork:
         """Bring the set to at most this many triangles; return the operations that it took.
 
-        Raises
-        ------
-        InputError
-            If the number is not between the coarsest and the full mesh's.
+        Raises `InputError` if the number is not between the coarsest and the full mesh's.
         """
         mesh, before = self._mesh, len(self.faces)
         step = mesh.step_of(triangles)

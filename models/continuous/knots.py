@@ -4,18 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray
-from ..attributes import carry_uv
-from ..level_mesh import level_counts, level_mesh
-from ..mesh_error import ErrorMeter, Sampling
-from ..surface_mesh import SurfaceMesh
-from ..type_model import TypeModel
+from ...base.arrays import FloatArray, IntArray
+from ...base.errors import InputError
+from ..meshes.attributes import carry_uv
+from ..meshes.level_mesh import level_counts, level_mesh
+from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.surface_mesh import SurfaceMesh
+from ..meshes.type_model import TypeModel
 from .collapse import contract
 from .ordered_mesh import OrderedMesh, order_mesh
 from .texture import DrawnVertices, contract_textured
-
-__all__ = ["KnotOptions", "OrderedSurface", "build_continuous"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray, frozen_array
+from ...base.arrays import FloatArray, IntArray, frozen_array
+from ...base.errors import InputError
 from .collapse import Contraction
-
-__all__ = ["OrderedMesh", "Restart", "order_mesh", "substitute"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +67,7 @@ class OrderedMesh:
 
         A step removes one to three, so that at most two fewer are left.
 
-        Raises
-        ------
-        InputError
-            If the number is not between the coarsest and the full mesh's.
+        Raises `InputError` if the number is not between the coarsest and the full mesh's.
         """
         least, full = int(self.faces_after[-1]), int(self.faces_after[0])
         if not least <= triangles <= full:

@@ -7,9 +7,7 @@ of two rows of 10 P numbers, and errors of many vertex pairs are one call of num
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
-
-__all__ = ["point_monomials", "surface_quadrics"]
+from ...base.arrays import FloatArray, IntArray
 
 _BORDER_WEIGHT = 10.0
 """Weight of a border's planes over that of the surface; borders are few, and holes are seen."""

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray, frozen_array, require_finite
-from ..levels import LevelTable
-from ..predictors import LEVEL_PREDICTORS
-
-__all__ = ["SplatTree", "Splats", "splat_levels"]
+from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import LevelTable
 
 _SPLAT_BYTES = 16.0  # position and radius, float32
 
@@ -55,10 +53,8 @@ class SplatTree:
     def of(cls, position_m: FloatArray, area_m2: FloatArray) -> "SplatTree":
         """Sort leaves into a tree.
 
-        Raises
-        ------
-        InputError
-            If there is no leaf, a position is not finite, or an area is not above 0.
+        Raises `InputError` if there is no leaf, a position is not finite, or an area is not above
+        0.
         """
         n = len(position_m)
         if n == 0:
@@ -124,10 +120,7 @@ def splat_levels(tree: SplatTree, *, knots: int = 12, trees: int = 1) -> LevelTa
     Knots are geometrically spaced from a splat a leaf to a splat a tree; errors are measured, and
     raised to that of the finer knot where they are below.
 
-    Raises
-    ------
-    InputError
-        If there are fewer than two knots, or no tree.
+    Raises `InputError` if there are fewer than two knots, or no tree.
     """
     if knots < 2 or trees < 1:
         raise InputError(f"expected at least 2 knots and 1 tree, got {knots} and {trees}")

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray, require_finite
-from ..levels import LevelTable
-from ..predictors import LEVEL_PREDICTORS
-from ..scene import ObjectTypes, Scene
-
-__all__ = ["TerrainQuadtree", "build_terrain", "terrain_scene"]
+from ...base.arrays import FloatArray, IntArray, require_finite
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import LevelTable
+from ..scene.scene import ObjectTypes, Scene
 
 _SAMPLE_BYTES = 16.0  # height and normal, float32; patches of one size share their indices
 
@@ -54,16 +52,13 @@ class TerrainQuadtree:
 def build_terrain(height_m: FloatArray, cell_m: float, *, patch: int = 32) -> TerrainQuadtree:
     """Return the quadtree of a square field of heights, rows south to north.
 
+    Raises `InputError` if the field has another shape, or a height is not finite.
+
     Parameters
     ----------
     height_m : (n, n), n = patch · 2^k + 1
     cell_m : distance of neighbouring heights, above 0
     patch : quads along a side of a patch, a power of two
-
-    Raises
-    ------
-    InputError
-        If the field has another shape, or a height is not finite.
     """
     side = len(height_m) - 1
     depths = int(np.log2(side // patch)) + 1 if patch > 0 and side >= patch else 0

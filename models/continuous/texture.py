@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
-from ..surface_mesh import SurfaceMesh
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ..meshes.surface_mesh import SurfaceMesh
 from .collapse import Contraction, contract
-
-__all__ = ["DrawnVertices", "VertexClasses", "classify_vertices", "contract_textured"]
 
 
 @dataclass(frozen=True, slots=True)

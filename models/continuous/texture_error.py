@@ -4,10 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
-from ..surface_mesh import SurfaceMesh
-
-__all__ = ["TextureMeter"]
+from ...base.arrays import FloatArray, IntArray
+from ..meshes.surface_mesh import SurfaceMesh
 
 
 class TextureMeter:

@@ -9,10 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, IntArray
-from ..surface_mesh import SurfaceMesh
-
-__all__ = ["Planes", "cut_along"]
+from ...base.arrays import FloatArray, IntArray
+from ..meshes.surface_mesh import SurfaceMesh
 
 _ON_PLANE = 1e-9  # of the mesh's size: nearer is on the plane
 

@@ -2,10 +2,8 @@
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ...base.arrays import FloatArray
 from .packing import default_side_m, pack_discs, require_side
-
-__all__ = ["forest"]
 
 _COVERAGE = 0.15  # of the square chosen when no side is given
 _MAX_COVERAGE = 0.3
@@ -19,10 +17,7 @@ def forest(radius_m: FloatArray, side_m: float | None, rng: np.random.Generator)
 
     Discs do not overlap, so that trunks keep their distance as in Poisson-disc sampling.
 
-    Raises
-    ------
-    InputError
-        If the discs would cover more than 30 % of the square.
+    Raises `InputError` if the discs would cover more than 30 % of the square.
     """
     side = default_side_m(radius_m, _COVERAGE) if side_m is None else side_m
     require_side(side, default_side_m(radius_m, _MAX_COVERAGE), len(radius_m), "forest")

@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from ..arrays import FloatArray
-
-__all__ = ["grid"]
+from ...base.arrays import FloatArray
 
 
 def grid(radius_m: FloatArray) -> FloatArray:

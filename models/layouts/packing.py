@@ -5,10 +5,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import BoolArray, FloatArray
-
-__all__ = ["Propose", "default_side_m", "pack_discs", "require_side"]
+from ...base.arrays import BoolArray, FloatArray
+from ...base.errors import InputError
 
 Propose: TypeAlias = Callable[[int], FloatArray]
 """Draws n candidate centres, (n, 2)."""
@@ -38,10 +36,7 @@ def pack_discs(radius_m: FloatArray, side_m: float, propose: Propose, layout: st
     it unless it meets a placed disc or an earlier candidate.  Discs go in by size class, the
     largest first, so that the neighbours of a candidate stay few however sizes differ.
 
-    Raises
-    ------
-    InputError
-        If discs are left after many rounds.
+    Raises `InputError` if discs are left after many rounds.
     """
     centers = np.empty((len(radius_m), 2))
     size_class = np.floor(np.log2(radius_m.max() / radius_m))

@@ -2,16 +2,14 @@
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray
-from .city import city
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from .city_blocks import city
 from .forest import forest
 from .grid import grid
 from .packing import require_side
 from .rows import rows
 from .scatter import scatter
-
-__all__ = ["LAYOUTS", "place", "require_layout"]
 
 LAYOUTS = ("grid", "scatter", "rows", "city", "forest")
 
@@ -36,6 +34,9 @@ def place(
 ) -> FloatArray:
     """Return centres (N, 2) in plan, about the origin, of bounding circles that do not overlap.
 
+    Raises `InputError` if the layout is unknown, the square cannot hold the objects, or a length is
+    out of range.
+
     Parameters
     ----------
     radius_m : (N,) positive
@@ -43,11 +44,6 @@ def place(
     spacing_m : free distance between any two circles, at least 0
     side_m : side of the square about the origin that holds every circle; by default as large as
         the layout needs
-
-    Raises
-    ------
-    InputError
-        If the layout is unknown, the square cannot hold the objects, or a length is out of range.
     """
     require_layout(layout, spacing_m, side_m)
     wide = radius_m + spacing_m / 2.0

@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from ..arrays import FloatArray
-
-__all__ = ["rows"]
+from ...base.arrays import FloatArray
 
 
 def rows(radius_m: FloatArray) -> FloatArray:

@@ -2,10 +2,8 @@
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ...base.arrays import FloatArray
 from .packing import default_side_m, pack_discs, require_side
-
-__all__ = ["scatter"]
 
 _COVERAGE = 0.25  # of the square chosen when no side is given
 _MAX_COVERAGE = 0.4  # random placement jams at 0.547; towards that it takes forever
@@ -14,10 +12,7 @@ _MAX_COVERAGE = 0.4  # random placement jams at 0.547; towards that it takes for
 def scatter(radius_m: FloatArray, side_m: float | None, rng: np.random.Generator) -> FloatArray:
     """Return uniformly random centres (N, 2) of discs that do not overlap.
 
-    Raises
-    ------
-    InputError
-        If the discs would cover more than 40 % of the square.
+    Raises `InputError` if the discs would cover more than 40 % of the square.
     """
     side = default_side_m(radius_m, _COVERAGE) if side_m is None else side_m
     require_side(side, default_side_m(radius_m, _MAX_COVERAGE), len(radius_m), "scatter")

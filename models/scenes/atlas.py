@@ -9,15 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ...base.arrays import FloatArray
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
-from ..geometry import Geometry
-from ..mesh_error import Sampling
-from ..scene import Scene
-from ..type_model import gather_types
-from .atlas_parts import CHAMBER, COIL, FLANGE, FOOT, LAYER, PIPE, WEDGE, WHEEL, make_parts
-
-__all__ = ["build_atlas"]
+from ..meshes.geometry import Geometry
+from ..meshes.mesh_error import Sampling
+from ..meshes.type_model import gather_types
+from ..scene.scene import Scene
+from .parts.atlas_parts import CHAMBER, COIL, FLANGE, FOOT, LAYER, PIPE, WEDGE, WHEEL, make_parts
 
 _SEED = 1999
 _AXIS_HEIGHT_M = 13.0

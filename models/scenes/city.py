@@ -14,16 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray
-from ..geometry import Geometry
-from ..hlod.build import Hlod, HlodOptions, build_hlod
-from ..hlod.scene import hlod_scene
-from ..mesh_error import Sampling
-from ..scene import Scene
-from ..shapes import grid_faces, noise
-from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
-
-__all__ = ["TRIANGLES", "build_city", "street_route_m"]
+from ...base.arrays import FloatArray
+from ..hlod.hlod_scene import hlod_scene
+from ..hlod.hlod_tree import Hlod, HlodOptions, build_hlod
+from ..meshes.geometry import Geometry
+from ..meshes.mesh_error import Sampling
+from ..meshes.shapes import grid_faces, noise
+from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from ..scene.scene import Scene
 
 TRIANGLES = 8_950_000
 _SEED = 2004

@@ -9,18 +9,16 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
-from ..arrays import FloatArray, IntArray
-from ..build import scene_of_objects
+from ...base.arrays import FloatArray, IntArray
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
-from ..geometry import Geometry
-from ..mesh_error import Sampling
-from ..predictors import LEVEL_PREDICTORS
-from ..scene import Scene
-from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
-from ..type_model import TypeModel
-
-__all__ = ["LARGEST_CROWD", "SMALLEST_CROWD", "build_crowd", "character_mesh"]
+from ..layouts.scene_builder import scene_of_objects
+from ..meshes.geometry import Geometry
+from ..meshes.mesh_error import Sampling
+from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from ..meshes.type_model import TypeModel
+from ..scene.scene import Scene
 
 SMALLEST_CROWD, LARGEST_CROWD = 32, 32_768
 _SEED = 2011
@@ -32,10 +30,7 @@ _TEXTURE_BYTES = 1024.0 * 1024.0 * 4.0 * 4.0 / 3.0  # assumed: RGBA8 of 1024 by 
 def build_crowd(count: int) -> tuple[Scene, Geometry]:
     """Return `count` characters that stand on a square grid, a little out of line.
 
-    Raises
-    ------
-    InputError
-        If the count is not between 32 and 32,768.
+    Raises `InputError` if the count is not between 32 and 32,768.
     """
     if not SMALLEST_CROWD <= count <= LARGEST_CROWD:
         raise InputError(

@@ -6,15 +6,13 @@ there, so that they fill as much of the view as the objects of plaza do.
 
 import numpy as np
 
-from ..build import scene_of_objects
-from ..geometry import Geometry
 from ..layouts.placement import place
-from ..mesh_error import Sampling
-from ..scene import Scene
-from ..simplify import ChainOptions, build_chain
-from .furniture import make_furniture
-
-__all__ = ["build_market"]
+from ..layouts.scene_builder import scene_of_objects
+from ..meshes.geometry import Geometry
+from ..meshes.mesh_error import Sampling
+from ..meshes.simplify import ChainOptions, build_chain
+from ..scene.scene import Scene
+from .parts.furniture import make_furniture
 
 _SEED = 1801
 _PIECES = 1_500

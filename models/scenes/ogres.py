@@ -7,19 +7,17 @@ the ogre and the trunk, leaves that collapse in pairs and keep their area for th
 
 import numpy as np
 
-from ..build import scene_of_objects
 from ..continuous.foliage import Foliage, Leaves, collapse_leaves, leaf_triangles
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
-from ..geometry import Geometry
 from ..layouts.placement import place
-from ..level_mesh import level_counts, level_mesh
-from ..mesh_error import ErrorMeter, Sampling
-from ..scene import Scene
-from ..shapes import lump, move_part, revolved
-from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
-from ..type_model import TypeModel
-
-__all__ = ["build_ogres", "build_ogres_trees", "ogre_mesh"]
+from ..layouts.scene_builder import scene_of_objects
+from ..meshes.geometry import Geometry
+from ..meshes.level_mesh import level_counts, level_mesh
+from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.shapes import lump, move_part, revolved
+from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from ..meshes.type_model import TypeModel
+from ..scene.scene import Scene
 
 _SEED = 2008
 _OGRES, _TREES = 3_000, 100

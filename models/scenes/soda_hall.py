@@ -7,21 +7,19 @@ there or through doors; floors hide each other, and the outer walls are seen fro
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
-from ..cells import Cells
-from ..geometry import Geometry
-from ..mesh_error import Sampling
-from ..portals import potentially_visible
-from ..scene import Scene
-from ..shapes import rough_box
-from ..simplify import ChainOptions, build_chain
-from ..surface_mesh import MeshPart, SurfaceMesh, clean_surface
-from ..type_model import gather_types
-from .floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, FloorPlan, plan_floor
-from .furniture import CABINET, CHAIR, COMPUTER, DESK, LAMP, PLANT, SHELF, make_furniture
-from .room_shell import Bay, shell_mesh, split_room
-
-__all__ = ["FLOORS", "STOREY_M", "build_soda_hall"]
+from ...base.arrays import FloatArray, IntArray
+from ..meshes.geometry import Geometry
+from ..meshes.mesh_error import Sampling
+from ..meshes.shapes import rough_box
+from ..meshes.simplify import ChainOptions, build_chain
+from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from ..meshes.type_model import gather_types
+from ..scene.cells import Cells
+from ..scene.scene import Scene
+from .parts.floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, FloorPlan, plan_floor
+from .parts.furniture import CABINET, CHAIR, COMPUTER, DESK, LAMP, PLANT, SHELF, make_furniture
+from .parts.portals import potentially_visible
+from .parts.room_shell import Bay, shell_mesh, split_room
 
 _SEED = 1993
 FLOORS = (29, 29, 29, 30, 30, 30)

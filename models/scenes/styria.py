@@ -12,16 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray
+from ...base.predictors import LEVEL_PREDICTORS
 from ..continuous.splat_tree import SplatTree, splat_levels
 from ..continuous.terrain import TerrainQuadtree, build_terrain
-from ..geometry import Geometry
-from ..levels import LevelTable
-from ..predictors import LEVEL_PREDICTORS
-from ..scene import ObjectTypes, Scene
-from .forest_groups import TreeGroups, group_trees
-
-__all__ = ["CELL_M", "WIDTH_M", "build_styria", "styria_heights"]
+from ..meshes.geometry import Geometry
+from ..scene.levels import LevelTable
+from ..scene.scene import ObjectTypes, Scene
+from .parts.forest_groups import TreeGroups, group_trees
 
 _SEED = 2002
 WIDTH_M = 120_000.0

@@ -8,14 +8,12 @@ from typing import TypeAlias
 import msgspec
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray
-from .folder import Folder
-from .implicit import expand, fill_template, subdivide
-from .schema import Tile, Tileset
-from .volumes import read_volume
-
-__all__ = ["MAX_TILES", "TileTable", "walk_tileset"]
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from .bounding_volumes import read_volume
+from .implicit_tiling import expand, fill_template, subdivide
+from .tile_folder import Folder
+from .tile_schema import Tile, Tileset
 
 MAX_TILES = 100_000
 _MAX_JSON_BYTES = 32 << 20
@@ -93,11 +91,8 @@ class _Step:
 def walk_tileset(path: Path) -> TileTable:
     """Read a tileset and all tilesets that it holds.
 
-    Raises
-    ------
-    InputError
-        If a file is missing, damaged or too large, a URI leads out of the tileset's folder, a
-        tileset holds itself, or there are more tiles than `MAX_TILES`.
+    Raises `InputError` if a file is missing, damaged or too large, a URI leads out of the tileset's
+    folder, a tileset holds itself, or there are more tiles than `MAX_TILES`.
     """
     walk = _Walk(TileTable(), {})
     here = path.resolve()

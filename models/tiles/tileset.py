@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ..arrays import FloatArray
-from ..levels import LevelTable
-from ..predictors import LEVEL_PREDICTORS
-from ..scene import ObjectTypes, Scene
-from ..scene_file import SceneOrigin
-from .content import count_content
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import LevelTable
+from ..scene.scene import ObjectTypes, Scene
+from ..scene.scene_file import SceneOrigin
+from .bounding_volumes import bounding_spheres
+from .tile_content import count_content
 from .tile_walk import TileTable, walk_tileset
-from .volumes import bounding_spheres
-
-__all__ = ["read_tileset"]
 
 _EARTH_M = (6_300_000.0, 6_500_000.0)  # distances from the Earth's centre that mean its surface
 _MAX_DISTANCE_M = 1e9  # as in scene files

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.cost import CostModel, CpuCostModel
-from lodbench.models.hardware import HardwareProfile, Posterior, Provenance
-from lodbench.models.levels import LevelTable
-from lodbench.models.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
-from lodbench.models.residual import Residual
-from lodbench.models.scene import ObjectTypes, Scene
+from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from lodbench.models.machine.cost import CostModel, CpuCostModel
+from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import ObjectTypes, Scene
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.orientation import look_along
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.orientation import look_along
 
 MakeLog = Callable[..., FrameLog]
 

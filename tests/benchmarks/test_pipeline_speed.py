@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import Display
+from lodbench.models.machine.hardware import Display
 from lodbench.sim.pipeline import Pipeline
 
 simpy: Any = pytest.importorskip("simpy", reason="simpy is only in the dependency group `bench`")

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.camera import Camera
-from lodbench.models.cost import CostModel
-from lodbench.models.scene import Scene
-from lodbench.policies.completed import Completed
+from lodbench.models.machine.cost import CostModel
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.frame_times import Completed
 from lodbench.policies.protocol import Truth, why_not_applicable
 from lodbench.policies.registry import default_policies, parse_policy
 

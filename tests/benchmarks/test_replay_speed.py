@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.camera import Camera
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.levels import LevelTable
-from lodbench.models.scene import Scene
-from lodbench.policies.static_distance import StaticDistance
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.thresholds.static_distance import StaticDistance
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.generate import generate
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.generators.generate import generate
 
 AIMS = {3_100: (5_000.0, 5_240.0), 100_000: (250.0, 153.0)}  # frames/s, and the peer's
 FRAMES = {3_100: 1_500, 100_000: 60}

@@ -5,14 +5,14 @@ import sys
 
 import pytest
 
-from lodbench.models.scene_catalog import list_bundled_scenes
+from lodbench.models.scene.scene_catalog import list_bundled_scenes
 
 AIM_S = 60.0
 AIM_BYTES = 2 << 30
 
 SCRIPT = """
 import resource, sys, time
-from lodbench.models.named_scenes import find_builder
+from lodbench.models.scenes.scene_registry import find_builder
 
 start = time.perf_counter()
 find_builder(sys.argv[1])()

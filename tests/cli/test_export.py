@@ -9,9 +9,9 @@ import pytest
 from lodbench.cli.main import run
 from lodbench.sim.frame_log import COUNTS, FrameLog, LogHeader
 from lodbench.sim.frame_log_file import write_frame_log
-from lodbench.traces.capframex import read_capframex
-from lodbench.traces.chrometrace import read_chrome_trace
-from lodbench.traces.presentmon import read_presentmon
+from lodbench.traces.logs.formats.capframex import read_capframex
+from lodbench.traces.logs.formats.chrometrace import read_chrome_trace
+from lodbench.traces.logs.formats.presentmon import read_presentmon
 
 
 def steady(frames: int, policy: str) -> FrameLog:

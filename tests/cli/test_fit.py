@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from lodbench.cli.main import run
-from lodbench.models.profile_catalog import load_hardware
-from lodbench.models.profile_file import read_profile
+from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.machine.profile_file import read_profile
 
 QUICK = ["--steps", "500", "--heldout", "none"]
 

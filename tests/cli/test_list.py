@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from lodbench.analysis.inputs import load_trace
+from lodbench.analysis.study.inputs import load_trace
 from lodbench.cli.list import Kind, known
 from lodbench.cli.main import run
-from lodbench.models.named_scenes import find_builder
-from lodbench.models.profile_catalog import load_hardware
-from lodbench.models.scene_catalog import load_scene
+from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.scene.scene_catalog import load_scene
+from lodbench.models.scenes.scene_registry import find_builder
 from lodbench.policies.registry import REGISTERED, parse_policy
 
 

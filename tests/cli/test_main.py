@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from lodbench import __version__
+from lodbench.base.errors import InputError, PolicyError
 from lodbench.cli import main as command_line
 from lodbench.cli.main import COMMANDS, Command, load_command, run
-from lodbench.errors import InputError, PolicyError
 
 CLI = Path(command_line.__file__).parent
 

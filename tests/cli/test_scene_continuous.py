@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from lodbench.cli.main import run
-from lodbench.models.scene_file import read_geometry, read_scene
+from lodbench.models.scene.scene_file import read_geometry, read_scene
 
 
 @pytest.fixture

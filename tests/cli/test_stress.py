@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lodbench.cli.main import run
-from lodbench.traces.read import read_trace
+from lodbench.traces.cameras.read_trace import read_trace
 
 QUICK = ["--evaluations", "8", "--duration-s", "0.6", "--legs", "2"]
 

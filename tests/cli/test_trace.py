@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from lodbench.base.errors import InputError
 from lodbench.cli.trace import app
-from lodbench.errors import InputError
-from lodbench.traces.generate import KINDS, generate
-from lodbench.traces.read import read_trace
+from lodbench.traces.cameras.generators.generate import KINDS, generate
+from lodbench.traces.cameras.read_trace import read_trace
 
 
 def run(*arguments: object) -> Result:

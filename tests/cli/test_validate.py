@@ -8,7 +8,7 @@ import pytest
 
 from lodbench.cli.main import run
 from lodbench.sim.frame_log_file import read_frame_log
-from lodbench.traces.read_log import read_render_log
+from lodbench.traces.logs.read_log import read_render_log
 
 pytestmark = pytest.mark.usefixtures("egl")
 
@@ -48,7 +48,7 @@ def test_recordings_are_compared_again_without_a_device(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: Any
 ) -> None:
     """From its recordings the same validation comes out, with no OpenGL at all."""
-    monkeypatch.setattr("lodbench.sim.gl.context.open_target", None)
+    monkeypatch.setattr("lodbench.render.gl.context.open_target", None)
     out = tmp_path / "again"
     arguments = ["validate", *QUICK, "--recorded", str(recorded), "--out", str(out), "--json"]
     assert run(arguments) == 0

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from lodbench.models.build import PlacementOptions, build_scene
-from lodbench.models.geometry import Geometry
-from lodbench.models.mesh_error import Sampling
-from lodbench.models.scene import Scene
-from lodbench.models.simplify import ChainOptions, build_chain
-from lodbench.models.surface_mesh import MeshPart, clean_surface
-from lodbench.models.type_model import TypeModel
+from lodbench.models.layouts.scene_builder import PlacementOptions, build_scene
+from lodbench.models.meshes.geometry import Geometry
+from lodbench.models.meshes.mesh_error import Sampling
+from lodbench.models.meshes.simplify import ChainOptions, build_chain
+from lodbench.models.meshes.surface_mesh import MeshPart, clean_surface
+from lodbench.models.meshes.type_model import TypeModel
+from lodbench.models.scene.scene import Scene
 
 
 @pytest.fixture(scope="session")

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.levels import LevelTable
-from lodbench.models.predictors import LEVEL_PREDICTORS
-from lodbench.models.scene import ObjectTypes, Scene
+from lodbench.base.predictors import LEVEL_PREDICTORS
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import ObjectTypes, Scene
 from lodbench.policies.view import View
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.orientation import look_along
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.orientation import look_along
 
 _WANTED = 900.0  # triangles of a node
 _FACTOR = 4

@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import pytest
 
-from lodbench.models.levels import LevelTable
-from lodbench.models.scene import Scene
-from lodbench.policies.feedback import Feedback
-from lodbench.policies.full import Full
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.bounds.full import Full
+from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.protocol import Capabilities, Policy, why_not_applicable
-from lodbench.policies.static_distance import StaticDistance
-from lodbench.policies.static_screen import StaticScreen
+from lodbench.policies.thresholds.static_distance import StaticDistance
+from lodbench.policies.thresholds.static_screen import StaticScreen
 
 DISCRETE, CONTINUOUS, MIXED, TREE = range(4)
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.errors import InputError
-from lodbench.policies.feedback import Feedback
-from lodbench.policies.full import Full
+from lodbench.base.errors import InputError
+from lodbench.policies.bounds.full import Full
+from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.protocol import Policy
 from lodbench.policies.registry import REGISTERED, parameters, parse_policy
-from lodbench.policies.static_distance import StaticDistance
+from lodbench.policies.thresholds.static_distance import StaticDistance
 
 OWN = """
 from dataclasses import dataclass
-from lodbench.policies.full import Full
+from lodbench.policies.bounds.full import Full
 
 @dataclass
 class Mine(Full):
@@ -48,7 +48,7 @@ number = 3
 
 UNRESOLVED = b"""
 from __future__ import annotations
-from lodbench.policies.full import Full
+from lodbench.policies.bounds.full import Full
 
 class Mine(Full):
     def __init__(self, scene: Scene):
@@ -104,7 +104,7 @@ def test_a_users_file(own: Path) -> None:
 
 def test_an_installed_module() -> None:
     """``package.module:Class`` imports the class."""
-    assert parse_policy("lodbench.policies.full:Full").cls is Full
+    assert parse_policy("lodbench.policies.bounds.full:Full").cls is Full
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_an_installed_module() -> None:
         ("feedback:", "policy feedback: expected key=value after the colon, got feedback:"),
         ("gain=1", "expected name:key=value, got no colon before the key"),
         ("no.such.module:Class", "policy module no.such.module: No module named 'no'"),
-        ("lodbench.policies.full:Ful", "unknown class Ful; did you mean Full"),
+        ("lodbench.policies.bounds.full:Ful", "unknown class Ful; did you mean Full"),
         ("nowhere.py:Mine", "nowhere.py: expected a Python file with a policy, got no file"),
     ],
 )

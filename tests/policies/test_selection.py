@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.models.levels import LevelTable
-from lodbench.models.scene import Scene
-from lodbench.models.tree import Tree
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import Scene
+from lodbench.models.scene.tree import Tree
 from lodbench.policies.selection import Selection, Work, find_violation
 
 MakeScene = Callable[..., Scene]

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.models.camera import Camera
-from lodbench.models.scene import Scene
-from lodbench.policies.completed import Completed
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.frame_times import Completed
 from lodbench.policies.view import View
 
 MakeScene = Callable[..., Scene]

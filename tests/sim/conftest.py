@@ -6,15 +6,15 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import Display, DisplayMode, HardwareProfile
-from lodbench.models.scene import Scene
+from lodbench.models.machine.hardware import Display, DisplayMode, HardwareProfile
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities, Policy
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
 from lodbench.sim.pipeline import Pipeline
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.camera import CameraTrace
+from lodbench.traces.cameras.camera_trace import CameraTrace
 
 
 class _Script:

@@ -7,14 +7,14 @@ import sys
 REPLAY = """
 import hashlib
 import numpy as np
-from lodbench.models.cost import CostModel, CpuCostModel
-from lodbench.models.hardware import HardwareProfile, Provenance
-from lodbench.models.levels import LevelTable
-from lodbench.models.residual import Residual
-from lodbench.models.scene import ObjectTypes, Scene
-from lodbench.policies.feedback import Feedback
+from lodbench.models.machine.cost import CostModel, CpuCostModel
+from lodbench.models.machine.hardware import HardwareProfile, Provenance
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.scene import ObjectTypes, Scene
+from lodbench.policies.controllers.feedback import Feedback
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.generate import generate
+from lodbench.traces.cameras.generators.generate import generate
 
 rng, n = np.random.default_rng(1), 40_000
 counts = np.outer((900.0, 333.3, 71.7), np.ones(7))

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from lodbench.errors import InputError
+from lodbench.base.errors import InputError
 from lodbench.sim.faults import Faults
 
 TRUTH, BEFORE = (2.0, 9.0, 9.0), (1.0, 5.0, 5.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lodbench.errors import InputError
+from lodbench.base.errors import InputError
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
 
 HEADER = LogHeader("policy", "scene", "trace", "machine", 10.0, 0, "immediate", 60.0, 1e9)

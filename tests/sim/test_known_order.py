@@ -10,19 +10,19 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.levels import LevelTable
-from lodbench.models.residual import Residual
-from lodbench.models.scene import Scene
-from lodbench.policies.feedback import Feedback
-from lodbench.policies.full import Full
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.bounds.full import Full
+from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.protocol import Policy
-from lodbench.policies.static_distance import StaticDistance
+from lodbench.policies.thresholds.static_distance import StaticDistance
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.generate import generate
-from lodbench.traces.orientation import look_along
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.generators.generate import generate
+from lodbench.traces.cameras.orientation import look_along
 
 BUDGET_MS = 16.7
 WARM_UP = 30

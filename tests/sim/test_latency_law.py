@@ -19,13 +19,13 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.scene import Scene
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.camera import CameraTrace
+from lodbench.traces.cameras.camera_trace import CameraTrace
 
 TARGET_MS = 10.0
 FULL_MS = 100.0  # K, so that the target asks for a resolution of 0.1, amid the range

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lodbench.errors import InputError
+from lodbench.base.errors import InputError
 from lodbench.sim.events import EventQueue
 from lodbench.sim.loader import Loader
 

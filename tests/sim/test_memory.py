@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.scene import Scene
-from lodbench.policies.static_distance import StaticDistance
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.thresholds.static_distance import StaticDistance
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.generate import generate
+from lodbench.traces.cameras.generators.generate import generate
 
 OBJECT_BYTES, FRAME_BYTES, FIXED_BYTES = 300, 400, 500_000
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lodbench.models.hardware import Display, DisplayMode
+from lodbench.models.machine.hardware import Display, DisplayMode
 from lodbench.sim.pipeline import Pipeline
 from lodbench.sim.screens import DROPPED_NS
 

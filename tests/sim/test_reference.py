@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lodbench.models.hardware import Display, DisplayMode
+from lodbench.models.machine.hardware import Display, DisplayMode
 from lodbench.sim.pipeline import Pipeline
 from lodbench.sim.screens import DROPPED_NS
 

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.errors import InputError, PolicyError
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.motion import Motion
-from lodbench.models.scene import Scene
-from lodbench.policies.full import Full
+from lodbench.base.errors import InputError, PolicyError
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.motion import Motion
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.bounds.full import Full
 from lodbench.policies.protocol import Policy
 from lodbench.policies.selection import Selection
-from lodbench.policies.static_distance import StaticDistance
+from lodbench.policies.thresholds.static_distance import StaticDistance
 from lodbench.policies.view import View
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.camera import CameraTrace
+from lodbench.traces.cameras.camera_trace import CameraTrace
 
 Run = Callable[..., FrameLog]
 MakePolicy = Callable[..., Policy]

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from lodbench.errors import InputError, PolicyError
-from lodbench.models.scene import Scene
+from lodbench.base.errors import InputError, PolicyError
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View

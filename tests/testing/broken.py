@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lodbench.models.scene import Scene
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View

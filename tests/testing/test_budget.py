@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.scene import Scene
-from lodbench.policies.full import Full
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.bounds.full import Full
 from lodbench.policies.registry import parse_policy
 from lodbench.testing import FrameBudget, assert_budget
 from lodbench.testing.budget import replay_policy
 from lodbench.testing.naming import name_policy
-from lodbench.traces.camera import CameraTrace
+from lodbench.traces.cameras.camera_trace import CameraTrace
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_a_replay_takes_seed_and_frames_of_the_budget_or_its_own(
 def test_names_of_policies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A class of a package goes by its module, one of a file by the path from here."""
     assert name_policy("feedback:gain=1") == "feedback:gain=1"
-    assert name_policy(Full) == "lodbench.policies.full:Full"
+    assert name_policy(Full) == "lodbench.policies.bounds.full:Full"
     (tmp_path / "mine.py").write_text(
         "class Mine:\n    def reset(self, scene, budget_ms): ...\n    select = reset\n",
         encoding="utf-8",

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from lodbench.cli.main import run
-from lodbench.models.profile_catalog import load_hardware
-from lodbench.models.profile_writer import profile_toml
-from lodbench.models.scene_file import read_scene
-from lodbench.policies.claims import Claims, claims_of
+from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.machine.profile_writer import profile_toml
+from lodbench.models.scene.scene_file import read_scene
+from lodbench.policies.protocol import Claims, claims_of
 from lodbench.policies.registry import REGISTERED, parse_policy
 from lodbench.testing import (
     PROPERTIES,
@@ -30,7 +30,7 @@ from lodbench.testing import (
     order_does_not_matter,
     reset_forgets,
 )
-from lodbench.traces.read import read_trace
+from lodbench.traces.cameras.read_trace import read_trace
 
 ALL_CLAIMS = Claims(budget=True, monotone=True, settles_frames=0)
 CLAIMING = [name for name in REGISTERED if claims_of(parse_policy(name).make()) != Claims()]

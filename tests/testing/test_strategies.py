@@ -5,14 +5,14 @@ from hypothesis import find, given, settings
 from hypothesis import strategies as st
 
 import lodbench.testing
-from lodbench.models.hardware import HardwareProfile
-from lodbench.models.scene import Scene
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
 from lodbench.policies.selection import find_violation
 from lodbench.policies.view import View
 from lodbench.testing import hardware_profiles, scenes, traces, views
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.orientation import turn_deg
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.orientation import turn_deg
 
 QUICK = settings(max_examples=60, deadline=None, database=None, derandomize=True)
 

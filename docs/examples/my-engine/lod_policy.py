@@ -4,10 +4,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from lodbench.models.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
-from lodbench.models.scene import Scene
+from lodbench.base.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
+from lodbench.models.scene.scene import Scene
 from lodbench.policies import Capabilities, Selection, View, Work
-from lodbench.policies.claims import Claims
+from lodbench.policies.protocol import Claims
 
 
 class FinestThatFits:

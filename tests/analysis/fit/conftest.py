@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.analysis.fit.sample import Sample
+from lodbench.analysis.fit.fit_frames import Sample
 
 BASE_MS, DRAW_MS, TRIANGLE_MS = 4.0, 0.02, 5e-6
 

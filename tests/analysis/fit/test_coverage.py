@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.analysis.fit.collinearity import examine
+from lodbench.analysis.fit.assessment.collinearity import examine
 from lodbench.analysis.fit.estimate import Model, estimate
-from lodbench.analysis.fit.sample import Sample
-from lodbench.analysis.fit.sampler import SamplerOptions
+from lodbench.analysis.fit.fit_frames import Sample
+from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.analysis.fit.terms import parse_terms
 
 MakeSample = Callable[..., Sample]

@@ -8,8 +8,8 @@ import pytest
 
 from lodbench.analysis.fit import plots
 from lodbench.analysis.fit.plots import require_plots, write_plots
-from lodbench.analysis.fit.sampler import Chain
-from lodbench.errors import InputError
+from lodbench.analysis.fit.sampling.sampler import Chain
+from lodbench.base.errors import InputError
 
 PNG = b"\x89PNG\r\n\x1a\n"
 

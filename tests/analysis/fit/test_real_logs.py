@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.analysis.fit.catalog import bundled_log
+from lodbench.analysis.fit.assessment.heldout import HeldOut, hold_out
+from lodbench.analysis.fit.bundled_logs import bundled_log
 from lodbench.analysis.fit.estimate import estimate
 from lodbench.analysis.fit.fit import FitOptions, Source, fit_logs
-from lodbench.analysis.fit.heldout import HeldOut, hold_out
-from lodbench.analysis.fit.sample import Sample, gather
-from lodbench.analysis.fit.sampler import SamplerOptions
-from lodbench.analysis.fit.table import THESIS
+from lodbench.analysis.fit.fit_frames import Sample, gather
+from lodbench.analysis.fit.fit_table import THESIS
+from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.analysis.fit.terms import parse_terms, predictors_of
-from lodbench.traces.read_log import read_render_log
-from lodbench.traces.renderlog import RenderLog
+from lodbench.traces.logs.read_log import read_render_log
+from lodbench.traces.logs.render_log import RenderLog
 
 TERMS = parse_terms("draw_calls,triangles")
 

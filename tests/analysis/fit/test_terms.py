@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.fit.design import design_of
-from lodbench.analysis.fit.sample import Sample, gather
+from lodbench.analysis.fit.fit_frames import Sample, gather
 from lodbench.analysis.fit.terms import Term, parse_terms, predictors_of
-from lodbench.errors import InputError
-from lodbench.traces.renderlog import RenderLog
+from lodbench.base.errors import InputError
+from lodbench.traces.logs.render_log import RenderLog
 
 SMALL = Sample(
     ("draw_calls", "triangles", "shaded_samples"),

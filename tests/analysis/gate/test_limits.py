@@ -11,7 +11,7 @@ from lodbench.analysis.gate.limits_file import (
     parse_limits,
     read_limits,
 )
-from lodbench.errors import InputError
+from lodbench.base.errors import InputError
 
 FILE = """# what a frame may take
 [limits]

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.gate.baseline import make_baseline
+from lodbench.analysis.gate.check_result import judge_all
 from lodbench.analysis.gate.limits_file import DEFAULT_LIMITS, parse_limits
-from lodbench.analysis.gate.measure import Conditions, Measured, Sampling
-from lodbench.analysis.gate.measure import measure as measure_policies
-from lodbench.analysis.gate.report import judge_all
-from lodbench.analysis.score import World
-from lodbench.models.cost import CostModel, CpuCostModel
-from lodbench.models.hardware import HardwareProfile, Provenance
-from lodbench.models.residual import Residual
-from lodbench.models.scene import Scene
+from lodbench.analysis.gate.measurements import Conditions, Measured, Sampling
+from lodbench.analysis.gate.measurements import measure as measure_policies
+from lodbench.analysis.study.score import World
+from lodbench.models.machine.cost import CostModel, CpuCostModel
+from lodbench.models.machine.hardware import HardwareProfile, Provenance
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
-from lodbench.traces.camera import CameraTrace
-from lodbench.traces.generate import generate
+from lodbench.traces.cameras.camera_trace import CameraTrace
+from lodbench.traces.cameras.generators.generate import generate
 
 STUDIES = 300
 FRAMES = 230  # 200 after the warm-up: two of them make the 99th percentile

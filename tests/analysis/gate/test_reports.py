@@ -5,13 +5,13 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from lodbench.analysis.gate.check_result import Report
 from lodbench.analysis.gate.github import annotations
+from lodbench.analysis.gate.judgement import Verdict
 from lodbench.analysis.gate.junit import write_junit
-from lodbench.analysis.gate.measure import Conditions
-from lodbench.analysis.gate.report import Report
-from lodbench.analysis.gate.text import describe, describe_failures, lines
-from lodbench.analysis.gate.verdict import Verdict
-from lodbench.analysis.gate.worst import WorstFrame
+from lodbench.analysis.gate.measurements import Conditions
+from lodbench.analysis.gate.plain_text import describe, describe_failures, lines
+from lodbench.analysis.gate.worst_frame import WorstFrame
 
 CONDITIONS = Conditions("machine", 10.0, 60.0, 0, 4, 200, 30, None)
 WORST = WorstFrame(2, 153, 2.5, 24.0, (1.0, -2.0, 1.65))

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.analysis.metrics.registry import find_metric
-from lodbench.analysis.metrics.run import Run
+from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.metric_registry import find_metric
 from lodbench.analysis.metrics.steps import find_steps
 from lodbench.sim.frame_log import FrameLog
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench.analysis.metrics import stability
-from lodbench.analysis.metrics.registry import find_metric
-from lodbench.analysis.metrics.run import Run
+from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.metric_registry import find_metric
 from lodbench.sim.frame_log import FrameLog
 
 MakeLog = Callable[..., FrameLog]

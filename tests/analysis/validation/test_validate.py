@@ -7,9 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from lodbench.analysis.compare import CompareOptions, compare
-from lodbench.analysis.validation.page import render_validation
-from lodbench.analysis.validation.result import Validation, encode
+from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.validation.validate import (
     Measured,
     Pair,
@@ -18,16 +16,18 @@ from lodbench.analysis.validation.validate import (
     require_priced,
     validate,
 )
-from lodbench.errors import InputError
-from lodbench.models.cost import CostModel
-from lodbench.models.hardware import HardwareProfile, Posterior
-from lodbench.models.predictors import GPU_PREDICTORS
-from lodbench.models.residual import Residual
-from lodbench.models.scene_catalog import load_scene
+from lodbench.analysis.validation.validation_page import render_validation
+from lodbench.analysis.validation.validation_result import Validation, encode
+from lodbench.base.errors import InputError
+from lodbench.base.predictors import GPU_PREDICTORS
+from lodbench.models.machine.cost import CostModel
+from lodbench.models.machine.hardware import HardwareProfile, Posterior
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
-from lodbench.traces.tour import tour
+from lodbench.traces.cameras.generators.tour import tour
 
 LABELS = ("full", "static-screen", "feedback")
 COSTS = {"triangles": 1e-4, "rasterized_triangles": 5e-5, "draw_calls": 1e-3}
@@ -66,8 +66,8 @@ def replays(make_hardware_once: Callable[[float], HardwareProfile]) -> Replays:
 @pytest.fixture(scope="module")
 def make_hardware_once() -> Callable[[float], HardwareProfile]:
     """Return a maker of profiles whose costs are so many times `COSTS`, with noise of 2 %."""
-    from lodbench.models.cost import CpuCostModel
-    from lodbench.models.hardware import Display, Provenance
+    from lodbench.models.machine.cost import CpuCostModel
+    from lodbench.models.machine.hardware import Display, Provenance
 
     def make(factor: float) -> HardwareProfile:
         model = CostModel.of(1.0 * factor, {name: factor * ms for name, ms in COSTS.items()})

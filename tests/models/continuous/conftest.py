@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from lodbench.models.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 
 @pytest.fixture(scope="session")

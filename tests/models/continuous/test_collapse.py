@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lodbench import InputError
 from lodbench.models.continuous.collapse import Contraction, contract
-from lodbench.models.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 
 def replayed(mesh: SurfaceMesh, done: Contraction, steps: int) -> np.ndarray:

@@ -6,17 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench import InputError
-from lodbench.models.continuous.foliage import (
-    Foliage,
-    Leaves,
-    collapse_leaves,
-    leaf_triangles,
-)
+from lodbench.base.predictors import LEVEL_PREDICTORS
+from lodbench.models.continuous.foliage import Foliage, Leaves, collapse_leaves, leaf_triangles
 from lodbench.models.continuous.foliage_type import foliage_type
 from lodbench.models.continuous.index_set import ExtractionWork
-from lodbench.models.mesh_error import Sampling
-from lodbench.models.predictors import LEVEL_PREDICTORS
-from lodbench.models.type_model import gather_types
+from lodbench.models.meshes.mesh_error import Sampling
+from lodbench.models.meshes.type_model import gather_types
 
 
 def crown(count: int, seed: int = 0) -> Leaves:

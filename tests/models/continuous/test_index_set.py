@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lodbench.models.continuous.collapse import Contraction, contract
 from lodbench.models.continuous.index_set import ExtractionWork, IndexSet
 from lodbench.models.continuous.ordered_mesh import OrderedMesh, order_mesh
-from lodbench.models.surface_mesh import SurfaceMesh
+from lodbench.models.meshes.surface_mesh import SurfaceMesh
 
 
 def by_hand(vertex_step: list[int], target: list[int], face_step: list[int]) -> Contraction:

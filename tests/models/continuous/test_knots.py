@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from lodbench import InputError
+from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.continuous.knots import KnotOptions, OrderedSurface, build_continuous
-from lodbench.models.mesh_error import Sampling
-from lodbench.models.predictors import LEVEL_PREDICTORS
-from lodbench.models.surface_mesh import SurfaceMesh
-from lodbench.models.type_model import gather_types
+from lodbench.models.meshes.mesh_error import Sampling
+from lodbench.models.meshes.surface_mesh import SurfaceMesh
+from lodbench.models.meshes.type_model import gather_types
 
 SMALL = Sampling(vertices=500, surface=500)
 

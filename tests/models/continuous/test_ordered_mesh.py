@@ -6,7 +6,7 @@ import pytest
 from lodbench import InputError
 from lodbench.models.continuous.collapse import Contraction, contract
 from lodbench.models.continuous.ordered_mesh import OrderedMesh, order_mesh, substitute
-from lodbench.models.surface_mesh import SurfaceMesh
+from lodbench.models.meshes.surface_mesh import SurfaceMesh
 
 
 def by_hand(vertex_step: list[int], target: list[int], face_step: list[int]) -> Contraction:

@@ -6,17 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from model_tables import collapse_errors, extraction_work, memory_of, overhead_at, texture_errors
 
-from lodbench.analysis.model_tables import (
-    collapse_errors,
-    extraction_work,
-    memory_of,
-    overhead_at,
-    texture_errors,
-)
 from lodbench.models.continuous.knots import KnotOptions, OrderedSurface, build_continuous
-from lodbench.models.mesh_error import Sampling
-from lodbench.models.mesh_file import load_mesh
+from lodbench.models.meshes.mesh_error import Sampling
+from lodbench.models.meshes.mesh_file import load_mesh
 
 pytestmark = pytest.mark.realdata
 

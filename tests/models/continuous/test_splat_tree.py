@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench import InputError
+from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.continuous.splat_tree import SplatTree, splat_levels
-from lodbench.models.predictors import LEVEL_PREDICTORS
 
 
 def plant(count: int, seed: int = 0) -> SplatTree:

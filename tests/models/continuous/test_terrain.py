@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from lodbench import InputError
-from lodbench.models.camera import Camera
 from lodbench.models.continuous.terrain import TerrainQuadtree, build_terrain, terrain_scene
-from lodbench.models.cost import CostModel
-from lodbench.models.scene import Scene
+from lodbench.models.machine.cost import CostModel
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.budgets.zach import Zach
 from lodbench.policies.view import View
-from lodbench.policies.zach import Zach
 
 
 def hills(side: int) -> np.ndarray:

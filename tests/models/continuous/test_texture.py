@@ -7,14 +7,10 @@ import pytest
 
 from lodbench.models.continuous.knots import OrderedSurface
 from lodbench.models.continuous.ordered_mesh import order_mesh
-from lodbench.models.continuous.texture import (
-    DrawnVertices,
-    classify_vertices,
-    contract_textured,
-)
+from lodbench.models.continuous.texture import DrawnVertices, classify_vertices, contract_textured
 from lodbench.models.continuous.texture_error import TextureMeter
-from lodbench.models.mesh_error import ErrorMeter, Sampling
-from lodbench.models.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from lodbench.models.meshes.mesh_error import ErrorMeter, Sampling
+from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 
 def test_classes_of_the_tube(tube: SurfaceMesh) -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.models.hlod.cut import Planes, cut_along
-from lodbench.models.surface_mesh import MeshPart, SurfaceMesh, clean_surface
+from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 
 def surface(points: np.ndarray, faces: np.ndarray, uv: np.ndarray | None = None) -> SurfaceMesh:

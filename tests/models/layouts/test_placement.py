@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from lodbench import InputError
-from lodbench.models.arrays import FloatArray
+from lodbench.base.arrays import FloatArray
 from lodbench.models.layouts.placement import LAYOUTS, place
 
 RADII = st.lists(st.floats(0.05, 20.0), min_size=1, max_size=60).map(np.array)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lodbench.models.benefit import level_primitives
+from lodbench.models.scene.benefit import level_primitives
 from lodbench.models.scenes.atlas import build_atlas
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from lodbench.models.scene.tree import Tree
 from lodbench.models.scenes.city import TRIANGLES, build_city, street_route_m
-from lodbench.models.tree import Tree
 
 
 @pytest.mark.slow

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lodbench import InputError
-from lodbench.models.level_mesh import level_mesh
-from lodbench.models.scene_catalog import load_scene
+from lodbench.models.meshes.level_mesh import level_mesh
+from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.models.scenes.crowd import build_crowd, character_mesh
 
 

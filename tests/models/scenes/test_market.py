@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from lodbench.models.geometry import Geometry
-from lodbench.models.named_scenes import ABOUT
-from lodbench.models.predictors import LEVEL_PREDICTORS
-from lodbench.models.scene import Scene
+from lodbench.base.predictors import LEVEL_PREDICTORS
+from lodbench.models.meshes.geometry import Geometry
+from lodbench.models.scene.scene import Scene
 from lodbench.models.scenes.market import build_market
+from lodbench.models.scenes.scene_registry import ABOUT
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lodbench.models.scenes.floor_plan import plan_floor, route_m
+from lodbench.models.scenes.parts.floor_plan import plan_floor, route_m
 from lodbench.models.scenes.soda_hall import FLOORS, STOREY_M, build_soda_hall
 
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lodbench.models.scenes.forest_groups import MOST_IN_GROUP, group_trees
+from lodbench.models.scene.tree import Tree
+from lodbench.models.scenes.parts.forest_groups import MOST_IN_GROUP, group_trees
 from lodbench.models.scenes.styria import build_styria, styria_heights
-from lodbench.models.tree import Tree
 
 
 @settings(max_examples=30)

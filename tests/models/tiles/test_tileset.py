@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from lodbench import InputError
-from lodbench.models.scene_catalog import load_scene
+from lodbench.models.scene.scene_catalog import load_scene
+from lodbench.models.scene.tree import Tree
 from lodbench.models.tiles.tile_walk import MAX_TILES
 from lodbench.models.tiles.tileset import read_tileset
-from lodbench.models.tree import Tree
 
 BALL = {"sphere": [0, 0, 0, 10]}
 BOX = {"box": [0, 0, 0, 8, 0, 0, 0, 8, 0, 0, 0, 4]}

@@ -1,6 +1,0 @@
-"""``python -m lodbench`` is the command ``lodbench``."""
-
-from .cli.main import main
-
-if __name__ == "__main__":
-    main()

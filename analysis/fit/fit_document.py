@@ -1,0 +1,134 @@
+"""A fit as the JSON document ``lodbench.fit/1``."""
+
+from dataclasses import asdict
+from typing import Any, cast
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...models.machine.profile_file import PER_MS
+from .fit import Fit
+from .noise import residual_model
+
+_DIGITS = 6  # of every number; more would differ from machine to machine
+
+
+def fit_record(fit: Fit) -> dict[str, Any]:
+    """Return the record that is printed as JSON, and that tables are made from."""
+    found = fit.estimate
+    names = found.design.names
+    record = {
+        "schema": "lodbench.fit/1",
+        "log": ", ".join(source.log.name for source in fit.sources),
+        "logs": [_source(fit, place) for place in range(len(fit.sources))],
+        "target": fit.target,
+        "terms": [str(term) for term in found.terms],
+        "model": fit.options.model,
+        "rows": len(found.sample),
+        "rows_rejected": sum(rejection.count for rejection in fit.rejected),
+        "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
+        "likelihood": found.likelihood_is,
+        "rows_worth": found.posterior.worth * len(found.sample),
+        "findings": [str(finding) for finding in fit.findings],
+        "coefficients": {
+            name: _interval(fit.coefficients[:, place])
+            | {
+                "prior_contraction": fit.sensitivity[place].contraction,
+                "prior_shift_sd": fit.sensitivity[place].shift_sd,
+                "informed": fit.sensitivity[place].informed,
+            }
+            for place, name in enumerate(names)
+        },
+        "noise": _noise(fit),
+        "priors": list(found.posterior.priors.describe(fit.options.model)),
+        "diagnostics": asdict(fit.diagnostics) | {"doubt": fit.diagnostics.doubt},
+        "predictive_checks": [asdict(check) for check in fit.checks],
+        "condition_number": fit.collinearity.condition_number,
+        "collinear": [
+            {
+                "columns": list(group.names),
+                "condition_index": group.condition_index,
+                "combination": group.combination,
+                **_interval(samples),
+            }
+            for group, samples in zip(fit.collinearity.groups, fit.combinations, strict=True)
+        ],
+        "heldout": None if fit.heldout is None else asdict(fit.heldout),
+        "transfer": [asdict(item) for item in fit.transfer],
+        "candidates": [asdict(candidate) for candidate in fit.candidates],
+    }
+    return _rounded(record)
+
+
+def _unit_of(value_ms: float) -> str:
+    """Return the largest unit in which a time is at least 1: ms, us or ns."""
+    return next((unit for unit in ("ms", "us") if value_ms * PER_MS[unit] >= 1.0), "ns")
+
+
+def _source(fit: Fit, place: int) -> dict[str, Any]:
+    source = fit.sources[place]
+    return {
+        "name": source.log.name,
+        "format": source.log.format,
+        "sha256": source.sha256,
+        "rows": int(np.sum(fit.estimate.sample.series == place)),
+        "notes": list(source.log.notes),
+        "header": dict(source.log.header),
+    }
+
+
+def _interval(samples_ms: FloatArray) -> dict[str, Any]:
+    unit = _unit_of(float(samples_ms.mean()))
+    samples = samples_ms * PER_MS[unit]
+    q05, q50, q95 = np.quantile(samples, (0.05, 0.5, 0.95)).tolist()
+    return {
+        "mean": float(samples.mean()),
+        "sd": float(samples.std()),
+        "q05": q05,
+        "q50": q50,
+        "q95": q95,
+        "unit": unit,
+    }
+
+
+def _noise(fit: Fit) -> dict[str, Any]:
+    """Return the noise's posterior, and its correlation from frame to frame."""
+    found = fit.estimate
+    names, flat = found.chain.names, found.chain.flat
+    reference = found.posterior.priors.mean_ms
+    scale_ms: FloatArray = np.exp(flat[:, names.index("log_scale")])
+    noise: dict[str, Any] = {
+        "model": fit.options.model,
+        "reference_ms": reference,
+        "scale": _interval(scale_ms),
+        "relative_scale": float(scale_ms.mean()) / reference,
+        "correlation": residual_model(relative_residuals(fit)).correlation,
+    }
+    if "growth" in names:
+        growth = flat[:, names.index("growth")]
+        dof = 1.0 / flat[:, names.index("inverse_dof")]
+        noise |= {"growth": _spread(growth), "dof": _spread(dof)}
+    return noise
+
+
+def _spread(samples: FloatArray) -> dict[str, float]:
+    q05, q50, q95 = np.quantile(samples, (0.05, 0.5, 0.95)).tolist()
+    return {"mean": float(samples.mean()), "q05": q05, "q50": q50, "q95": q95}
+
+
+def relative_residuals(fit: Fit) -> list[FloatArray]:
+    """Return residuals over the posterior mean of the time, a series of frames for each log."""
+    found = fit.estimate
+    width = len(found.design.names)
+    mean = found.design.mean(found.chain.flat[:, :width].mean(axis=0)[np.newaxis])[0]
+    residual = found.sample.time_ms / mean - 1.0
+    return [residual[found.sample.series == log] for log in range(len(fit.sources))]
+
+
+def _rounded(value: Any) -> Any:
+    """Return a record with its numbers rounded."""
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in cast("dict[str, Any]", value).items()}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(item) for item in cast("list[Any]", value)]
+    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value

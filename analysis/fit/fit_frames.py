@@ -1,0 +1,82 @@
+"""Frames of one or several logs that measure one time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import BoolArray, FloatArray
+from ...base.errors import InputError
+from ...traces.logs.render_log import FIRST_FRAMES, Rejection, RenderLog, TimeName, measurable
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """Frames in the order of their logs.
+
+    Attributes
+    ----------
+    names : names of P predictors
+    predictors : (n, P) float64
+    time_ms : (n,) float64, > 0
+    series : (n,) int64, which log a frame is of
+    """
+
+    names: tuple[str, ...]
+    predictors: FloatArray
+    time_ms: FloatArray
+    series: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.time_ms)
+
+    def rows(self, which: BoolArray | NDArray[np.int64]) -> "Sample":
+        """Return some of the frames."""
+        return Sample(self.names, self.predictors[which], self.time_ms[which], self.series[which])
+
+    def column(self, name: str) -> FloatArray:
+        """Return one predictor, (n,)."""
+        return self.predictors[:, self.names.index(name)]
+
+
+def gather(
+    logs: Sequence[RenderLog], names: Sequence[str], target: TimeName, first_frames: int | None
+) -> tuple[Sample, tuple[Rejection, ...]]:
+    """Return the frames of all logs that measure `target`, and the others by reason.
+
+    Raises `InputError` if a log lacks the time or a predictor, or no frame is left.
+
+    Parameters
+    ----------
+    first_frames
+        Frames at the start of each log that are left out; None for `FIRST_FRAMES`, and none of a
+        log whose header says ``rows: averages``.
+    """
+    parts: list[tuple[FloatArray, FloatArray]] = []
+    counts: dict[str, int] = {}
+    for log in logs:
+        first = _first_frames(log) if first_frames is None else first_frames
+        keep, rejections = measurable(log, target, names, first_frames=first)
+        parts.append((log.columns(names)[keep], log.time(target)[keep]))
+        for rejection in rejections:
+            counts[rejection.reason] = counts.get(rejection.reason, 0) + rejection.count
+    sizes = [len(part[1]) for part in parts]
+    rejected = tuple(Rejection(count, reason) for reason, count in counts.items())
+    if not sum(sizes):
+        listed = "; ".join(map(str, rejected))
+        raise InputError(
+            f"{logs[0].name}: expected frames that measure {target}, got none ({listed})"
+        )
+    sample = Sample(
+        tuple(names),
+        np.vstack([part[0] for part in parts]),
+        np.concatenate([part[1] for part in parts]),
+        np.repeat(np.arange(len(logs)), sizes),
+    )
+    return sample, rejected
+
+
+def _first_frames(log: RenderLog) -> int:
+    averaged = dict(log.header).get("rows", "").startswith("averages")
+    return 0 if averaged else FIRST_FRAMES

@@ -1,0 +1,154 @@
+"""A hardware profile from a fit: what `compare --hardware` replays."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
+from ...models.machine.cost import CostModel, CpuCostModel
+from ...models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
+from ...models.machine.residual import Residual
+from ...traces.logs.render_log import RenderLog, TimeName
+from .design import BASE, ROOFLINE
+from .fit import Fit, Source
+from .fit_document import relative_residuals
+from .noise import residual_model
+from .terms import Term
+
+_DRAWS = 64
+_MACHINE = ("renderer", "gpu", "driver", "processor")  # of a log's header
+_CALIBRATION = "calibration"  # policy in the header of what `lodbench record --calibrate` writes
+_DIGITS = 6  # fewer would blur the sum of coefficients that are only known together
+
+
+def require_for_profile(terms: Sequence[Term], target: TimeName) -> None:
+    """Raise InputError if a profile, and so the simulator, has no place for a term."""
+    linear = CPU_PREDICTORS if target == "cpu_ms" else GPU_PREDICTORS
+    for term in terms:
+        geometry, pixels = term.predictors[:-1], term.predictors[-1]
+        if term.kind == "roofline" and target != "cpu_ms":
+            good = set(geometry) <= set(LEVEL_PREDICTORS) and pixels == "shaded_samples"
+            wanted = f"max(…,shaded_samples) over {', '.join(LEVEL_PREDICTORS)}"
+        else:
+            good = term.kind == "linear" and pixels in linear
+            wanted = f"single predictors among {', '.join(linear)}"
+        if not good:
+            raise InputError(
+                f"--out: expected terms that a profile of {target} can hold, {wanted}, got {term}; "
+                "leave it out, or leave --out out"
+            )
+
+
+def profile_of(
+    fit: Fit, name: str, *, date: str = "", onto: HardwareProfile | None = None
+) -> HardwareProfile:
+    """Return the profile of a fitted log.
+
+    Coefficients are posterior means, and the draws are thinned samples.  A fitted ``frame_ms`` or
+    ``gpu_ms`` becomes cost of the GPU, a ``cpu_ms`` cost of the CPU.  What the log does not tell is
+    that of `onto`; without one, the other processor costs nothing, which means "not measured", and
+    the display, memory and disk are the defaults.
+
+    Raises
+    ------
+    InputError
+        As `require_for_profile`.
+    """
+    require_for_profile(fit.estimate.terms, fit.target)
+    series = relative_residuals(fit)
+    kind = "student-t" if fit.options.model == "student-t" else "gaussian"
+    residual = residual_model(series, kind)
+    before = onto or HardwareProfile(
+        name, Provenance(""), CostModel.of(0.0, {}), CpuCostModel.of(0.0, {}), display=_display(fit)
+    )
+    before = replace(before, name=name, provenance=_provenance(fit, date, onto))
+    mean = [_rounded(value) for value in fit.coefficients.mean(axis=0).tolist()]
+    coefficients = dict(zip(fit.estimate.design.names, mean, strict=True))
+    base = coefficients.pop(BASE)
+    if fit.target == "cpu_ms":
+        return replace(before, cpu=CpuCostModel.of(base, coefficients), cpu_residual=residual)
+    linear = {key: value for key, value in coefficients.items() if not key.startswith(ROOFLINE)}
+    roofline = {
+        key.removeprefix(ROOFLINE): value
+        for key, value in coefficients.items()
+        if key.startswith(ROOFLINE)
+    }
+    return replace(
+        before,
+        gpu=CostModel.of(base, linear, roofline),
+        gpu_residual=residual,
+        posterior=_posterior(fit, residual),
+        frames_in_flight=1 if fit.target == "frame_ms" else before.frames_in_flight,
+    )
+
+
+def _posterior(fit: Fit, residual: Residual) -> Posterior:
+    """Return thinned samples as draws; a draw's noise is larger as its likelihood's scale is."""
+    found = fit.estimate
+    names, draws = found.design.names, found.chain.thinned(_DRAWS)
+    slopes = draws[:, : len(names)] / found.design.unit
+    scale: FloatArray = np.exp(draws[:, found.chain.names.index("log_scale")])
+    mean_scale = float(np.exp(found.chain.flat[:, found.chain.names.index("log_scale")]).mean())
+    linear, roofline = np.zeros((2, len(draws), len(GPU_PREDICTORS)))
+    for place, name in enumerate(names[1:], 1):
+        into = roofline if name.startswith(ROOFLINE) else linear
+        into[:, GPU_PREDICTORS.index(name.removeprefix(ROOFLINE))] = _all_rounded(slopes[:, place])
+    return Posterior(
+        _all_rounded(slopes[:, 0]),
+        linear,
+        _all_rounded(residual.scale * scale / mean_scale),
+        None if found.design.linear else roofline,
+    )
+
+
+def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance:
+    found, header = fit.estimate, dict(fit.sources[0].log.header)
+    drawn = [what for source in fit.sources if (what := _measured_on(source.log))]
+    rest = f"; the rest is that of {onto.name}" if onto else ""
+    method = (
+        f"emcee: posterior means of {fit.target} on {', '.join(map(str, found.terms))}, "
+        f"{fit.options.model}, {len(found.sample)} frames worth "
+        f"{found.posterior.worth * len(found.sample):.0f} independent ones{rest}"
+    )
+    return Provenance(
+        source="; ".join(map(_described, fit.sources)),
+        renderer="; ".join(header[key] for key in _MACHINE if key in header),
+        date=date or header.get("date", ""),
+        method=method,
+        assumed=onto is not None and onto.provenance.assumed,
+        measured_on=tuple(dict.fromkeys((*(onto.provenance.measured_on if onto else ()), *drawn))),
+    )
+
+
+def _described(source: Source) -> str:
+    """Return the name of a log, the hash of its file, and what was drawn."""
+    digest = f" (sha256 {source.sha256[:12]})" if source.sha256 else ""
+    drawn = _measured_on(source.log)
+    policy = dict(source.log.header).get("policy")
+    what = _CALIBRATION if policy == _CALIBRATION else "replay"
+    return source.log.name + digest + (f", {what} of {drawn}" if drawn else "")
+
+
+def _measured_on(log: RenderLog) -> str:
+    """Return ``SCENE along TRACE``, or nothing if the log does not say both."""
+    header = dict(log.header)
+    return f"{header['scene']} along {header['trace']}" if {"scene", "trace"} <= set(header) else ""
+
+
+def _display(fit: Fit) -> Display:
+    resolution = dict(fit.sources[0].log.header).get("resolution", "")
+    width, _, height = resolution.partition("x")
+    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+        return Display()
+    return Display(width_px=int(width), height_px=int(height))
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _all_rounded(values: FloatArray) -> FloatArray:
+    return np.array([_rounded(value) for value in values.tolist()])

@@ -1,0 +1,1 @@
+"""The posterior of a fit, and how it is sampled."""

@@ -1,0 +1,77 @@
+"""The result of a check: the record behind its text, its JSON, JUnit XML and annotations."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import msgspec
+
+from .baseline import Baseline
+from .judgement import Verdict, judge, judge_failure
+from .limits import Limits
+from .measurements import Conditions, Measured
+
+SCHEMA = "lodbench.check/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """Verdicts on all limits, without any wall-clock time.
+
+    Attributes
+    ----------
+    passed : bool
+        No limit failed, and with `strict` none is undecided and every rule was for something.
+    unused : tuple of str
+        Rules of the limits that were for nothing that ran.
+    """
+
+    passed: bool
+    strict: bool
+    conditions: Conditions
+    verdicts: tuple[Verdict, ...]
+    unused: tuple[str, ...] = ()
+    schema: Literal["lodbench.check/1"] = SCHEMA
+
+    def count(self, outcome: str) -> int:
+        """Return how many limits have an outcome."""
+        return sum(verdict.outcome == outcome for verdict in self.verdicts)
+
+    def is_failure(self, verdict: Verdict) -> bool:
+        """Whether a verdict fails the check."""
+        return verdict.outcome == "fails" or (self.strict and verdict.outcome == "undecided")
+
+
+def judge_all(
+    limits: Limits,
+    measured: Sequence[Measured],
+    conditions: Conditions,
+    baseline: Baseline | None,
+    *,
+    strict: bool = False,
+) -> Report:
+    """Judge every limit on everything measured, in the order of both."""
+    verdicts: list[Verdict] = []
+    for item in measured:
+        if item.reason is not None:
+            verdicts.append(judge_failure(item))
+            continue
+        chosen = limits.of(item.policy, item.scene, item.trace)
+        verdicts += [judge(limit, item, conditions, baseline) for limit in chosen]
+    unused = tuple(
+        f"policy {rule.policy}, scene {rule.scene}, trace {rule.trace}"
+        for rule in limits.rules
+        if rule.limits
+        and not any(rule.covers(item.policy, item.scene, item.trace) for item in measured)
+    )
+    wrong = {"fails", "undecided"} if strict else {"fails"}
+    passed = not any(verdict.outcome in wrong for verdict in verdicts)
+    passed = passed and not (strict and (unused or not verdicts))
+    return Report(passed, strict, conditions, tuple(verdicts), unused)
+
+
+def encode_report(report: Report) -> bytes:
+    """Return the JSON of a report, indented, its schema first."""
+    fields: dict[str, object] = msgspec.to_builtins(report)
+    ordered = {"schema": fields.pop("schema"), **fields}
+    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"

@@ -1,0 +1,189 @@
+"""The result of a comparison: records whose fields are the keys of ``comparison.json``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from ...base.errors import InputError
+from ..metrics.metric import Better
+from ..metrics.steps import Step
+
+SCHEMA = "lodbench.compare/1"
+
+Status = Literal["ok", "failed", "not-applicable"]
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """A metric of one policy.
+
+    Attributes
+    ----------
+    value : float or None
+        None where the run cannot have the metric.
+    low, high : float or None
+        5th and 95th percentile of the bootstrap; None where it has nothing to say.
+    """
+
+    value: float | None
+    low: float | None
+    high: float | None
+    unit: str
+    better: Better
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyResult:
+    """What became of one policy.
+
+    Attributes
+    ----------
+    label : str
+        What the user wrote, which tells policies of one name apart.
+    reason : str or None
+        Why it failed or does not apply.
+    frames : int
+        Frames replayed, warm-up included.
+    metrics : dict of str to Score
+        By metric id; empty unless the status is ok.
+    steps : tuple of Step
+        Answers to the steps in visible load, after the warm-up.
+    """
+
+    name: str
+    label: str
+    params: dict[str, object]
+    status: Status
+    reason: str | None
+    oracle: bool
+    frames: int
+    metrics: dict[str, Score]
+    steps: tuple[Step, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """Under which conditions the replays ran, beside scene, trace and hardware."""
+
+    display: str
+    refresh_hz: float
+    frames_in_flight: int
+    width_px: int
+    height_px: int
+    fovy_deg: float
+    crossfade_ms: float
+    measurement_delay: int
+    trace_s: float
+    nodes: int
+    hardware_source: str
+    hardware_assumed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Intervals:
+    """How intervals and probabilities were made.
+
+    Attributes
+    ----------
+    level : float
+        Share of resamples between low and high.
+    resamples : int
+        Resamples of blocks of frames, over all draws.
+    blocks : int
+        Blocks of a resample; each is this part of the run.
+    draws : int
+        Posterior draws of the cost model that were replayed; 0 if the profile has none.
+    """
+
+    level: float
+    resamples: int
+    blocks: int
+    draws: int
+
+
+@dataclass(frozen=True, slots=True)
+class ParetoFront:
+    """Policies that no other beats in every group at once.
+
+    Attributes
+    ----------
+    metrics : tuple of str
+        The metric that stands for each group.
+    front : tuple of str
+        Labels of the policies on it; oracles take no part.
+    probability : dict of str to float
+        Share of resamples in which a policy is on it.
+    """
+
+    metrics: tuple[str, ...]
+    front: tuple[str, ...]
+    probability: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A comparison of policies, without any wall-clock time.
+
+    Attributes
+    ----------
+    frames : int
+        Most frames that a policy's replay had.
+    warmup : int
+        Frames at the start of each replay that no metric counts.
+    beats : dict
+        By metric and then by label: the probability of being better than each other policy, in the
+        order of `policies` with status ok; a tie counts half, and None stands for oneself and where
+        either has no value.
+    """
+
+    scene: str
+    trace: str
+    hardware: str
+    budget_ms: float
+    seed: int
+    frames: int
+    warmup: int
+    conditions: Conditions
+    intervals: Intervals
+    policies: tuple[PolicyResult, ...]
+    pareto: ParetoFront
+    beats: dict[str, dict[str, tuple[float | None, ...]]]
+    schema: Literal["lodbench.compare/1"] = SCHEMA
+
+    @property
+    def ok(self) -> tuple[PolicyResult, ...]:
+        """Policies that were scored."""
+        return tuple(policy for policy in self.policies if policy.status == "ok")
+
+    @property
+    def failed(self) -> tuple[PolicyResult, ...]:
+        """Policies that broke their contract."""
+        return tuple(policy for policy in self.policies if policy.status == "failed")
+
+
+def encode_comparison(comparison: Comparison) -> bytes:
+    """Return the JSON of a comparison, indented, its schema first."""
+    fields: dict[str, object] = msgspec.to_builtins(comparison)
+    ordered = {"schema": fields.pop("schema"), **fields}
+    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"
+
+
+def read_comparison(path: Path) -> Comparison:
+    """Read ``comparison.json``.
+
+    Raises `InputError` if the file is missing or is not what `encode_comparison` writes.
+    """
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Comparison)
+    except OSError as error:
+        raise InputError(
+            f"expected a comparison, got {error.strerror}; give a folder that `lodbench compare "
+            "--out` wrote",
+            path=path,
+        ) from error
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"expected the JSON of {SCHEMA}, got {error}; run `lodbench compare` again", path=path
+        ) from error

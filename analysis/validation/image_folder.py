@@ -1,0 +1,55 @@
+"""A folder of pictures beside full detail, with a table that sets metrics against them."""
+
+import re
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ...base.errors import InputError
+from ...base.whole_folder import require_own, require_writable, whole_folder
+from ...render.gl.image_comparison import PictureFolder, require_images
+from .recordings import Recorded
+
+_TABLE, _PICTURE = "images.csv", re.compile(r"frame-\d+\.png")
+_METRICS = ("sse_px_p95", "sse_px_max", "popping_px", "triangles", "drawn")
+
+
+class ImageFolder(PictureFolder):
+    """Pictures that are being written, and their table."""
+
+    def write_table(self, recorded: Recorded) -> None:
+        """Write ``images.csv``: how each picture differs, and the metrics of its frame."""
+        frames = recorded.frames
+        lines = [f"frame,trace_s,ssim,difference,differing,benefit_share,{','.join(_METRICS)}"]
+        for picture in recorded.pictures:
+            at = picture.frame
+            full = float(frames["full_benefit"][at])
+            share = float(frames["benefit"][at]) / full if full > 0.0 else 1.0
+            numbers = (picture.trace_s, picture.ssim, picture.difference, picture.differing, share)
+            metrics = (float(frames[name][at]) for name in _METRICS)
+            lines.append(",".join([str(at), *(f"{value:.8g}" for value in (*numbers, *metrics))]))
+        (self.path / _TABLE).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+@contextmanager
+def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]:
+    """Yield a folder to write pictures to, and put it in place when all is written.
+
+    Raises `InputError` if scikit-image is missing, or the folder holds anything but an earlier
+    recording.
+    """
+    if path is None:
+        yield None
+        return
+    require_images()
+    if path.exists():
+        others = sorted(p.name for p in path.iterdir()) if path.is_dir() else [path.name]
+        others = [name for name in others if name != _TABLE and not _PICTURE.fullmatch(name)]
+        require_own(path, others, "record")
+    require_writable(path.absolute().parent)
+    if not path.name or path.absolute() == Path.cwd():
+        raise InputError(
+            "expected a folder of its own for pictures, got this one; name another", path=path
+        )
+    with whole_folder(path) as partial:
+        yield ImageFolder(partial, every)

@@ -1,0 +1,112 @@
+"""Record policies, once or twice, and simulate the same."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...base.errors import InputError
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene_catalog import OpenedScene
+from ...policies.registry import parse_policy
+from ...sim.replay import ReplayOptions
+from ...traces.cameras.camera_trace import CameraTrace
+from ..study.compare import CompareOptions, compare
+from ..study.comparison import Comparison
+from .recordings import Recorded, RecordOptions, open_recorder
+from .validate import Measured, Pair
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(slots=True)
+class _Share:
+    """Progress of one recording as a share of all."""
+
+    progress: Progress
+    done: int
+    total: int
+
+    def __call__(self, now: int, of: int) -> None:
+        self.progress(1000 * self.done + 1000 * now // max(of, 1), 1000 * self.total)
+
+
+def record_all(
+    labels: Sequence[str],
+    scene: OpenedScene,
+    trace: CameraTrace,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    how: RecordOptions,
+    passes: int,
+    progress: Progress | None = None,
+) -> dict[str, list[Recorded]]:
+    """Return recordings by label.
+
+    All policies are recorded before the first is recorded again, so that the second recordings
+    tell how the machine differs from itself some minutes later.
+
+    Raises
+    ------
+    InputError, PolicyError
+        As `Recorder.record`.
+    """
+    if passes not in (1, 2):
+        raise InputError(f"--passes: expected 1 or 2, got {passes}; 2 shows the machine's noise")
+    size = (hardware.display.width_px, hardware.display.height_px)
+    found: dict[str, list[Recorded]] = {label: [] for label in labels}
+    with open_recorder(scene, how, size) as recorder:
+        for again in range(passes):
+            for place, label in enumerate(labels):
+                done = again * len(labels) + place
+                share = None if progress is None else _Share(progress, done, passes * len(labels))
+                found[label].append(
+                    recorder.record(label, trace, hardware, options, progress=share)
+                )
+    return found
+
+
+def simulate_all(
+    labels: Sequence[str],
+    scene: OpenedScene,
+    trace: CameraTrace,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    how: CompareOptions,
+    measured: Mapping[str, tuple[Measured, ...]],
+) -> tuple[Comparison, dict[str, Pair]]:
+    """Simulate what was recorded; return the comparison and both sides by label.
+
+    Raises `InputError` if a policy cannot be simulated.
+    """
+    specs = [parse_policy(label) for label in labels]
+    comparison, logs = compare(specs, scene.scene, trace, hardware, options, how)
+    for policy in comparison.policies:
+        if policy.status != "ok":
+            raise InputError(f"{policy.label}: expected a policy that runs; {policy.reason}")
+    return comparison, {label: Pair(measured[label], logs[label]) for label in labels}
+
+
+def measured_of(recorded: Recorded) -> Measured:
+    """Return a recording with its counts under the names of the cost model."""
+    columns = recorded.columns
+    return Measured(recorded.frames, columns | {"shaded_samples": columns["projected_px"]})
+
+
+def cut_trace(trace: CameraTrace, seconds: float) -> CameraTrace:
+    """Return the start of a trace, to its last sample within so many seconds.
+
+    Raises `InputError` if that is no more than one sample.
+    """
+    count = int((trace.time_s <= seconds).sum())
+    if count < 2:
+        raise InputError(
+            f"--seconds: expected more than one sample of {trace.name}, got {seconds}; take more"
+        )
+    return CameraTrace(
+        trace.name,
+        trace.time_s[:count],
+        trace.position_m[:count],
+        trace.orientation_xyzw[:count],
+        trace.cut[:count],
+        trace.origin_s,
+        trace.repairs,
+    )

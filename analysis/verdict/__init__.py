@@ -1,0 +1,1 @@
+"""Statistics behind a verdict: resamples, intervals, fronts."""

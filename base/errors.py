@@ -1,0 +1,51 @@
+"""Errors of lodbench, a leaf module.
+
+::
+
+    LodbenchError
+    ├── InputError        what was given cannot be used (exit code 2)
+    └── PolicyError       a policy broke its contract in some frame (exit code 1)
+
+A message says what was expected, what was found, where, and what to do.
+"""
+
+from pathlib import Path
+
+
+class LodbenchError(Exception):
+    """Base of every error that lodbench raises on purpose."""
+
+
+class InputError(LodbenchError):
+    """Input that cannot be used; ``str()`` is the one line that the command line prints."""
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        path: str | Path | None = None,
+        line: int | None = None,
+    ) -> None:
+        self.message = message
+        self.path = None if path is None else str(path)
+        self.line = line
+        super().__init__(message, self.path, line)
+
+    def __str__(self) -> str:
+        where = "" if self.path is None else f"{self.path}:"
+        where += "" if self.line is None else f"{self.line}:"
+        return f"{where} {self.message}".strip()
+
+
+class PolicyError(LodbenchError):
+    """A policy raised, or returned a selection that breaks its contract."""
+
+    def __init__(self, policy: str, frame: int | None, reason: str) -> None:
+        self.policy = policy
+        self.frame = frame
+        self.reason = reason
+        super().__init__(policy, frame, reason)
+
+    def __str__(self) -> str:
+        where = "reset" if self.frame is None else f"frame {self.frame}"
+        return f"policy {self.policy}, {where}: {self.reason}"

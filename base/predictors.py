@@ -1,0 +1,42 @@
+"""What a cost model may count, named after what engines log.
+
+A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
+``texture_bytes``), or depends on the view (``shaded_samples``, ``rasterized_triangles``), or on the
+frame as a whole (``framebuffer_pixels``, ``state_changes``).  The column order is that of every
+coefficient vector in the package.
+"""
+
+LEVEL_PREDICTORS = (
+    "draw_calls",  # calls to draw one instance at this level
+    "vertices",
+    "triangles",
+    "skinned_vertices",
+    "textured_triangles",
+    "splats",
+    "texture_bytes",
+)
+"""Counts that a level of detail has by itself, whatever the view."""
+
+GPU_PREDICTORS = (
+    *LEVEL_PREDICTORS,
+    "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
+    "rasterized_triangles",  # of those drawn, how many should reach a sample; see `models.cost`
+    "framebuffer_pixels",  # width times height
+    "state_changes",  # distinct types drawn in the frame
+)
+
+SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
+RASTERIZED_TRIANGLES = GPU_PREDICTORS.index("rasterized_triangles")
+FRAMEBUFFER_PIXELS = GPU_PREDICTORS.index("framebuffer_pixels")
+STATE_CHANGES = GPU_PREDICTORS.index("state_changes")
+
+CPU_PREDICTORS = (
+    "objects_visited",
+    "comparisons",
+    "iterations",
+    "levels_extracted",
+    "triangles_extracted",
+    "levels_borrowed",
+    "draw_calls",
+    "objects_culled",  # nodes tested against the frustum
+)

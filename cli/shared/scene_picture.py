@@ -1,0 +1,53 @@
+"""The picture that `lodbench scene info --picture` writes."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # numpy is loaded by the command that needs it
+    from ...models.scene.scene_catalog import OpenedScene
+
+_LAST_FRAME = 1_000_000
+
+
+def check_picture(out: Path, frame: int) -> None:
+    """Raise InputError unless a picture can be written there, of a frame that can be."""
+    from ...base.errors import InputError
+
+    if out.suffix.lower() != ".png":
+        raise InputError(f"expected a name that ends in .png, got '{out.name}'", path=out)
+    if not out.parent.is_dir():
+        raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+    if not 0 <= frame <= _LAST_FRAME:
+        raise InputError(f"frame: expected 0 to {_LAST_FRAME}, got {frame}")
+
+
+def draw_picture(
+    opened: "OpenedScene",
+    out: Path,
+    *,
+    trace: str,
+    policy: str | None,
+    frame: int,
+    hardware: str,
+    budget_ms: float | None,
+) -> None:
+    """Replay a policy up to a frame, and write the frame as the camera sees it."""
+    from ...analysis.study.inputs import load_trace
+    from ...models.machine.profile_catalog import load_hardware
+    from ...policies.registry import parse_policy
+    from ...render.pictures.scene_picture import draw_snapshot, write_picture
+    from ...render.pictures.snapshot import take_snapshot
+    from ...sim.replay import ReplayOptions
+
+    profile = load_hardware(hardware)
+    budget = 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
+    usual = "static-screen" if opened.scene.flat else "screen-space-error"
+    shot = take_snapshot(
+        parse_policy(policy or usual),
+        opened.scene,
+        load_trace(trace, opened.scene),
+        profile,
+        ReplayOptions(budget_ms=budget),
+        frame,
+    )
+    write_picture(out, draw_snapshot(shot, opened.read_geometry()))

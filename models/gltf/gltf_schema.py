@@ -1,0 +1,154 @@
+"""The JSON of glTF 2.0, as far as geometry and levels of detail need it."""
+
+from collections.abc import Iterator, Sequence
+from typing import TypeVar
+
+import msgspec
+
+from ...base.errors import InputError
+
+TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
+"""Modes of a primitive that draw surfaces."""
+
+_MAX_NODES = 1_000_000
+_Item = TypeVar("_Item")
+
+
+class _Struct(msgspec.Struct, frozen=True, rename="camel"):
+    """Members that are not named here are skipped."""
+
+
+class _Present(_Struct, frozen=True):
+    """An object of which only the presence matters."""
+
+
+class _Lod(_Struct, frozen=True):
+    ids: list[int]
+
+
+class _NodeExtensions(msgspec.Struct, frozen=True):
+    MSFT_lod: _Lod | None = None
+
+
+class Node(_Struct, frozen=True):
+    """A node: its mesh, its children, where it stands, and its coarser levels."""
+
+    mesh: int | None = None
+    children: list[int] = []
+    matrix: tuple[float, ...] | None = None
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    extensions: _NodeExtensions = _NodeExtensions()
+    name: str = ""
+
+
+class Primitive(_Struct, frozen=True):
+    """Part of a mesh that is drawn by one call."""
+
+    attributes: dict[str, int]
+    indices: int | None = None
+    material: int | None = None
+    mode: int = TRIANGLES
+
+
+class _Mesh(_Struct, frozen=True):
+    primitives: list[Primitive]
+    name: str = ""
+
+
+class Accessor(_Struct, frozen=True):
+    """Numbers in a buffer view."""
+
+    component_type: int
+    count: int
+    type: str
+    buffer_view: int | None = None
+    byte_offset: int = 0
+    sparse: _Present | None = None
+
+
+class _View(_Struct, frozen=True):
+    buffer: int
+    byte_length: int
+    byte_offset: int = 0
+    byte_stride: int | None = None
+
+
+class _Buffer(_Struct, frozen=True):
+    byte_length: int
+    uri: str | None = None
+
+
+class _Pbr(_Struct, frozen=True):
+    base_color_texture: _Present | None = None
+
+
+class _Material(_Struct, frozen=True):
+    pbr_metallic_roughness: _Pbr = _Pbr()
+
+
+class _Scene(_Struct, frozen=True):
+    nodes: list[int] = []
+
+
+class _Asset(_Struct, frozen=True):
+    version: str
+
+
+class Document(_Struct, frozen=True):
+    """The JSON of a glTF file, as far as geometry and levels of detail need it."""
+
+    asset: _Asset
+    scene: int | None = None
+    scenes: list[_Scene] = []
+    nodes: list[Node] = []
+    meshes: list[_Mesh] = []
+    accessors: list[Accessor] = []
+    buffer_views: list[_View] = []
+    buffers: list[_Buffer] = []
+    materials: list[_Material] = []
+
+    def roots(self) -> list[int]:
+        """Return the root nodes of the default scene, or of the first one."""
+        if not self.scenes:
+            below = {child for node in self.nodes for child in node.children}
+            coarser = {i for node in self.nodes if node.extensions.MSFT_lod for i in _ids(node)}
+            return [i for i in range(len(self.nodes)) if i not in below | coarser]
+        number = self.scene or 0
+        if not 0 <= number < len(self.scenes):
+            raise InputError(f"scene: expected 0 to {len(self.scenes) - 1}, got {number}")
+        return self.scenes[number].nodes
+
+    def has_texture(self, material: int | None) -> bool:
+        """Return whether a material has a colour texture."""
+        if material is None:
+            return False
+        surface = pick(self.materials, material, "materials")
+        return surface.pbr_metallic_roughness.base_color_texture is not None
+
+    def walk(self, roots: list[int]) -> Iterator[int]:
+        """Yield nodes at and below the roots, parents first; raises InputError on a cycle."""
+        seen: set[int] = set()
+        stack = roots[::-1]
+        while stack:
+            number = stack.pop()
+            if not 0 <= number < len(self.nodes):
+                raise InputError(f"nodes: expected 0 to {len(self.nodes) - 1}, got {number}")
+            if number in seen or len(seen) > _MAX_NODES:
+                raise InputError(f"nodes: expected a tree, got node {number} reached twice")
+            seen.add(number)
+            yield number
+            stack.extend(reversed(self.nodes[number].children))
+
+
+def _ids(node: Node) -> list[int]:
+    lod = node.extensions.MSFT_lod
+    return [] if lod is None else lod.ids
+
+
+def pick(items: Sequence[_Item], number: int, what: str) -> _Item:
+    """Return an item by its index; raises InputError if there is none."""
+    if not 0 <= number < len(items):
+        raise InputError(f"{what}: expected 0 to {len(items) - 1}, got {number}")
+    return items[number]

@@ -1,0 +1,164 @@
+"""A hardware profile: cost models, their uncertainty, display, memory and disk."""
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from ...base.arrays import FloatArray, frozen_array, require_finite
+from ...base.errors import InputError
+from ...base.predictors import GPU_PREDICTORS
+from .cost import CostModel, CpuCostModel
+from .residual import Residual
+
+DisplayMode = Literal["immediate", "vsync", "mailbox", "vrr"]
+
+
+@dataclass(frozen=True, slots=True)
+class Display:
+    """How finished frames reach the screen.
+
+    Attributes
+    ----------
+    mode : "immediate", "vsync", "mailbox" or "vrr"
+    refresh_hz : refresh rate of vsync and mailbox; highest rate of vrr
+    vrr_min_hz : lowest rate of vrr, below which the panel repeats a frame
+    images : 2 or 3 images in the swapchain
+    width_px, height_px : viewport
+    """
+
+    mode: DisplayMode = "immediate"
+    refresh_hz: float = 60.0
+    vrr_min_hz: float = 48.0
+    images: int = 3
+    width_px: int = 1280
+    height_px: int = 720
+
+    def __post_init__(self) -> None:
+        if self.mode not in ("immediate", "vsync", "mailbox", "vrr"):
+            raise InputError(
+                f"display mode: expected immediate, vsync, mailbox or vrr, got {self.mode}"
+            )
+        if self.images not in (2, 3):
+            raise InputError(f"display images: expected 2 or 3, got {self.images}")
+        if not 0 < self.vrr_min_hz <= self.refresh_hz < 1e5:
+            raise InputError(
+                "display: expected 0 < vrr_min_hz <= refresh_hz, got "
+                f"{self.vrr_min_hz} and {self.refresh_hz}"
+            )
+        if self.width_px < 1 or self.height_px < 1:
+            raise InputError(
+                f"display: expected positive size, got {self.width_px}x{self.height_px}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Posterior:
+    """Draws of GPU coefficients from a fit: D rows of base and `GPU_PREDICTORS` coefficients.
+
+    Attributes
+    ----------
+    base_ms : (D,) float64
+    linear_ms : (D, P) float64
+    scale : (D,) float64
+        Relative residual scale of each draw.
+    roofline_ms : (D, P) float64 or None
+        Coefficients of the roofline; None where those of the profile hold for every draw.
+    """
+
+    base_ms: FloatArray
+    linear_ms: FloatArray
+    scale: FloatArray
+    roofline_ms: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        d, put = len(self.base_ms), object.__setattr__
+        if d == 0:
+            raise InputError("posterior: expected at least one draw, got none")
+        for name, shape in (
+            ("base_ms", (d,)),
+            ("linear_ms", (d, len(GPU_PREDICTORS))),
+            ("roofline_ms", (d, len(GPU_PREDICTORS))),
+            ("scale", (d,)),
+        ):
+            if getattr(self, name) is None:
+                continue
+            array = frozen_array(getattr(self, name), np.float64, shape, f"posterior {name}")
+            require_finite(array, f"posterior {name}", low=0.0)
+            put(self, name, array)
+
+    def __len__(self) -> int:
+        """Return the number of draws."""
+        return len(self.base_ms)
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Where a profile's numbers come from.
+
+    `assumed` is true where a cost was neither measured nor published; the word is then shown
+    wherever the profile is.  `measured_on` names what was drawn as ``SCENE along TRACE``: frames on
+    which the profile must not be validated.
+    """
+
+    source: str
+    renderer: str = ""
+    date: str = ""
+    method: str = ""
+    assumed: bool = False
+    measured_on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareProfile:
+    """Everything that the simulator knows about a machine.
+
+    Attributes
+    ----------
+    gpu, cpu : cost models, milliseconds
+    gpu_residual, cpu_residual : scatter of measured times about the models
+    posterior : draws of the GPU coefficients, if the profile was fitted
+    frames_in_flight : 1 to 4
+    memory_bytes : bound of the loader
+    disk_bytes_per_s, disk_latency_ms : loader bandwidth and latency
+    """
+
+    name: str
+    provenance: Provenance
+    gpu: CostModel
+    cpu: CpuCostModel
+    gpu_residual: Residual = field(default_factory=Residual)
+    cpu_residual: Residual = field(default_factory=Residual)
+    posterior: Posterior | None = None
+    display: Display = field(default_factory=Display)
+    frames_in_flight: int = 2
+    memory_bytes: float = 1e9
+    disk_bytes_per_s: float = 200e6
+    disk_latency_ms: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.frames_in_flight not in (1, 2, 3, 4):
+            raise InputError(f"frames_in_flight: expected 1 to 4, got {self.frames_in_flight}")
+        good = np.isfinite((self.memory_bytes, self.disk_bytes_per_s, self.disk_latency_ms)).all()
+        if not good or self.memory_bytes <= 0 or self.disk_bytes_per_s <= 0:
+            raise InputError("hardware: expected positive finite memory and disk figures")
+        if self.disk_latency_ms < 0:
+            raise InputError(f"disk latency: expected >= 0 ms, got {self.disk_latency_ms}")
+
+    def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
+        """Return the GPU's cost model and scatter: the profile's own, or those of one draw.
+
+        Raises `InputError` if the profile has no such draw.
+        """
+        if draw is None:
+            return self.gpu, self.gpu_residual
+        if self.posterior is None or not 0 <= draw < len(self.posterior):
+            count = 0 if self.posterior is None else len(self.posterior)
+            raise InputError(f"draw: {self.name} has {count} posterior draws, got {draw}")
+        drawn = self.posterior.roofline_ms
+        model = CostModel(
+            float(self.posterior.base_ms[draw]),
+            self.posterior.linear_ms[draw],
+            self.gpu.roofline_ms if drawn is None else drawn[draw],
+        )
+        return model, replace(self.gpu_residual, scale=float(self.posterior.scale[draw]))

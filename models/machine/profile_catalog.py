@@ -1,0 +1,35 @@
+"""Hardware profiles by name: the bundled ones, or any TOML file."""
+
+import difflib
+from pathlib import Path
+
+from ...base.errors import InputError
+from .hardware import HardwareProfile
+from .profile_file import read_profile
+
+_SUFFIX = ".toml"
+_FOLDER = Path(__file__).parent / "profiles"
+
+
+def list_hardware() -> tuple[str, ...]:
+    """Return the names of the bundled profiles, sorted."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob(f"*{_SUFFIX}")))
+
+
+def load_hardware(spec: str) -> HardwareProfile:
+    """Return the bundled profile of that name, or the one in the TOML file of that path.
+
+    Raises `InputError` if there is neither, with the nearest bundled name; or if the file is not a
+    profile.
+    """
+    names = list_hardware()
+    if spec in names:
+        return read_profile(_FOLDER / f"{spec}{_SUFFIX}")
+    path = Path(spec)
+    if path.suffix == _SUFFIX or path.is_file():
+        return read_profile(path)
+    near = difflib.get_close_matches(spec, names, n=1)
+    hint = f"did you mean {near[0]}?" if near else "name one or give a path"
+    raise InputError(
+        f"hardware: expected one of {', '.join(names)} or a {_SUFFIX} file, got {spec}; {hint}"
+    )

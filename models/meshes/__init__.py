@@ -1,0 +1,1 @@
+"""Meshes of levels of detail: reading, simplifying, measuring."""

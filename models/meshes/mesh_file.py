@@ -1,0 +1,99 @@
+"""Meshes from files, in any format that trimesh reads."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from .surface_mesh import MeshPart, SurfaceMesh, clean_surface
+
+_MAX_FILE_BYTES = 1 << 30
+_TEXTURES = (
+    "image",
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+)
+_TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
+
+
+def load_mesh(path: Path) -> SurfaceMesh:
+    """Read a mesh or a scene of meshes as one surface, in the file's own axes and units.
+
+    Nodes are placed by their transforms; polygons become triangles; triangles of one material
+    form one part.  Skins, animations, lines and points are left out.
+
+    Raises `InputError` if the file is missing, of no known format, damaged, or holds no triangles.
+    """
+    scene = _parse(path)
+    parts: list[MeshPart] = []
+    images: dict[int, float] = {}
+    materials: dict[int, int] = {}
+    kinds: set[str] = set()
+    for node in scene.graph.nodes_geometry:
+        transform, key = scene.graph[node]
+        shape: Any = scene.geometry[key]
+        kinds.add(type(shape).__name__)
+        if len(getattr(shape, "faces", ())):
+            material = materials.setdefault(_material_id(shape), len(materials))
+            placing = np.asarray(transform, dtype=np.float64)
+            parts.append(_part(shape, placing, material, images))
+    if not parts:
+        got = ", ".join(sorted(kinds)) or "an empty scene"
+        raise InputError(f"expected a mesh with triangles, got {got}", path=path)
+    try:
+        return clean_surface(path.stem, parts, texture_bytes=sum(images.values()))
+    except InputError as error:
+        raise InputError(error.message, path=path) from error
+
+
+def _parse(path: Path) -> Any:
+    import trimesh
+
+    if not path.is_file():
+        raise InputError("expected a mesh file, got no such file", path=path)
+    size = path.stat().st_size
+    if not 0 < size <= _MAX_FILE_BYTES:
+        raise InputError(f"expected 1 byte to 1 GiB, got {size} bytes", path=path)
+    known = sorted(trimesh.available_formats())
+    if path.suffix.lower().lstrip(".") not in known:
+        raise InputError(
+            f"expected a mesh format ({', '.join(known)}), got '{path.suffix}'", path=path
+        )
+    try:
+        return trimesh.load_scene(path, process=False)
+    except Exception as error:  # each parser of trimesh fails in its own way
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"expected a readable {path.suffix} mesh, got a damaged one ({reason[:120]})", path=path
+        ) from error
+
+
+def _material_id(shape: Any) -> int:
+    return id(getattr(shape.visual, "material", None))
+
+
+def _part(shape: Any, transform: FloatArray, material: int, images: dict[int, float]) -> MeshPart:
+    """Return one placed geometry, and note the sizes of its texture images by identity."""
+    vertices = np.asarray(shape.vertices, dtype=np.float64)
+    faces = np.asarray(shape.faces, dtype=np.int64)
+    vertices = vertices @ transform[:3, :3].T + transform[:3, 3]
+    if np.linalg.det(transform[:3, :3]) < 0:
+        faces = faces[:, ::-1]  # a mirror turns the winding over
+    uv = getattr(shape.visual, "uv", None)
+    surface = getattr(shape.visual, "material", None)
+    found = [getattr(surface, name, None) for name in _TEXTURES]
+    textures = [image for image in found if image is not None]
+    for image in textures:
+        images[id(image)] = image.width * image.height * _TEXEL_BYTES
+    return MeshPart(
+        vertices,
+        faces,
+        material=material,
+        textured=bool(textures) and uv is not None,
+        uv=None if uv is None else np.asarray(uv, dtype=np.float64),
+    )

@@ -1,0 +1,77 @@
+"""Object types with the geometry of their levels, before they stand in a scene."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...base.arrays import FloatArray, frozen_array
+from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import LevelTable
+from ..scene.scene import ObjectTypes
+from .geometry import Geometry
+from .silhouette import disc_share
+
+
+@dataclass(frozen=True, slots=True)
+class TypeModel:
+    """One type: meshes of L levels, finest first, with their counts and errors.
+
+    Attributes
+    ----------
+    counts : (L, P) float64
+        In the order of `LEVEL_PREDICTORS`.
+    error_m : (L,) float64
+    continuous : bool
+        Whether the levels are knots of a continuous model.
+    center_m : (3,) float64
+        Derived: centre of the box of all levels.
+    radius_m : float
+        Derived: radius about the centre that holds every vertex of every level.
+    """
+
+    name: str
+    meshes: Geometry = field(repr=False)
+    counts: FloatArray
+    error_m: FloatArray
+    continuous: bool = False
+    center_m: FloatArray = field(init=False)
+    radius_m: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        n, put = len(self.meshes), object.__setattr__
+        shape = (n, len(LEVEL_PREDICTORS))
+        put(self, "counts", frozen_array(self.counts, np.float64, shape, "type counts"))
+        put(self, "error_m", frozen_array(self.error_m, np.float64, (n,), "type error_m"))
+        points = np.concatenate([mesh.vertices for mesh in self.meshes]).astype(np.float64)
+        center = (points.min(axis=0) + points.max(axis=0)) / 2.0
+        put(self, "center_m", frozen_array(center, np.float64, (3,), "type center_m"))
+        put(self, "radius_m", float(np.linalg.norm(points - center, axis=1).max()))
+
+
+def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:
+    """Return types and geometry as a scene holds them; names that repeat are numbered."""
+    sizes = [len(model.meshes) for model in models]
+    geometry = tuple(mesh for model in models for mesh in model.meshes)
+    levels = LevelTable(
+        start=np.concatenate(([0], np.cumsum(sizes))).astype(np.int32),
+        counts=np.concatenate([model.counts for model in models]),
+        error_m=np.concatenate([model.error_m for model in models]),
+        bytes=np.array([float(mesh.byte_count) for mesh in geometry]),
+        continuous=np.array([model.continuous for model in models]),
+    )
+    center = np.stack([model.center_m for model in models])
+    radius = np.array([model.radius_m for model in models])
+    names = _numbered([model.name for model in models])
+    shares = [disc_share(m.meshes[0], m.center_m, m.radius_m) for m in models]
+    return ObjectTypes(names, center, radius, levels, np.array(shares)), geometry
+
+
+def _numbered(names: Sequence[str]) -> tuple[str, ...]:
+    result: list[str] = []
+    for name in names:
+        new, number = name, 2
+        while new in result:
+            new, number = f"{name}-{number}", number + 1
+        result.append(new)
+    return tuple(result)

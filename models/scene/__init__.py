@@ -1,0 +1,1 @@
+"""Scenes: objects, trees, cells, cameras, culling, and the scene file."""

@@ -1,0 +1,92 @@
+"""A pinhole camera and the projection of bounding spheres.
+
+The camera looks along -z of its own frame, +x to the right and +y up.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from .rotation import rotation_matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Pose and lens of one frame.
+
+    Attributes
+    ----------
+    position_m : (x, y, z)
+    orientation_xyzw : unit quaternion from camera frame to scene frame
+    width_px, height_px : viewport
+    fovy_rad : vertical field of view, in (0, π)
+    near_m : near plane, positive
+    focal_px : derived, height / (2 tan(fovy / 2))
+    axes : (3, 3) float64, derived
+        Rows: the camera's right, up and forward directions in the scene frame.
+    """
+
+    position_m: tuple[float, float, float]
+    orientation_xyzw: tuple[float, float, float, float]
+    width_px: int
+    height_px: int
+    fovy_rad: float
+    near_m: float = 0.1
+    focal_px: float = field(init=False)
+    axes: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
+            raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
+        put = object.__setattr__
+        put(self, "focal_px", self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
+        matrix = rotation_matrix(self.orientation_xyzw)
+        axes = np.ascontiguousarray(matrix.T)
+        axes[2] *= -1.0
+        axes.flags.writeable = False
+        put(self, "axes", axes)
+
+    @property
+    def viewport_px(self) -> int:
+        """Pixels of the viewport."""
+        return self.width_px * self.height_px
+
+    def to_camera(self, points_m: FloatArray) -> FloatArray:
+        """Return (3, n) right, up and forward coordinates of (3, n) scene points."""
+        return self.axes @ points_m - (self.axes @ np.array(self.position_m))[:, None]
+
+
+def projected_area_px(
+    depth_m: FloatArray, distance_m: FloatArray, radius_m: FloatArray, camera: Camera
+) -> FloatArray:
+    """Return the projected area of bounding spheres in px, at most the viewport's, (n,).
+
+    The perspective image of a sphere at forward depth z and distance l is an ellipse of area
+    ``π f² r² sqrt((l² - r²) / (z² - r²)) / (z² - r²)``.  A sphere that reaches the near plane has
+    no such ellipse (its image is unbounded or wraps the eye) and counts as the whole viewport.
+    """
+    square = radius_m * radius_m
+    gap = depth_m * depth_m
+    gap -= square
+    front = depth_m - radius_m > camera.near_m
+    np.maximum(gap, 1e-30, out=gap)
+    area = distance_m * distance_m
+    area -= square
+    area /= gap
+    np.sqrt(np.maximum(area, 0.0, out=area), out=area)
+    area *= square
+    area *= math.pi * camera.focal_px**2
+    area /= gap
+    limit = float(camera.viewport_px)
+    np.minimum(area, limit, out=area)
+    area[~front] = limit
+    return area
+
+
+def eccentricity_deg(depth_m: FloatArray, distance_m: FloatArray) -> FloatArray:
+    """Return angles between the view axis and directions to points, degrees in [0, 180]."""
+    ratio = np.divide(depth_m, distance_m, out=np.ones_like(depth_m), where=distance_m > 0)
+    return np.degrees(np.arccos(np.clip(ratio, -1.0, 1.0)))

@@ -1,0 +1,130 @@
+"""Levels of detail of object types, as one table.
+
+A discrete type has a chain of levels, finest first.  A continuous type has the same table read as
+knots: at a resolution between two knots every count and the error are interpolated linearly.  So
+the discretisation of a continuous type is its knots, and the resolution of a discrete level is its
+share of the finest level's primitives.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+
+_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
+_SPLATS = LEVEL_PREDICTORS.index("splats")
+
+
+@dataclass(frozen=True, slots=True)
+class LevelTable:
+    """Levels of K types, concatenated: type ``k`` owns rows ``start[k]`` to ``start[k + 1]``.
+
+    Attributes
+    ----------
+    start : (K + 1,) int32
+    counts : (L, P) float64
+        Per level, in the order of `LEVEL_PREDICTORS`; never negative, never growing with
+        coarseness in triangles and splats.
+    error_m : (L,) float64
+        Geometric error against the finest level in metres, before scale; never decreasing.
+    bytes : (L,) float64
+        Memory of the level's geometry.
+    continuous : (K,) bool
+        Whether the rows of a type are knots of a continuous model.
+    resolution : (L,) float64
+        Derived: primitives of the level over primitives of the finest level, in (0, 1].
+    level_count : (K,) int32
+        Derived: levels of each type.
+    min_resolution : (K,) float64
+        Derived: resolution of each type's coarsest level.
+    type_of_level : (L,) int32
+        Derived: the type that owns each row.
+    """
+
+    start: IntArray
+    counts: FloatArray
+    error_m: FloatArray
+    bytes: FloatArray
+    continuous: BoolArray
+    resolution: FloatArray = field(init=False)
+    level_count: IntArray = field(init=False)
+    min_resolution: FloatArray = field(init=False)
+    type_of_level: IntArray = field(init=False)
+    _key: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        types, levels = len(self.start) - 1, len(self.error_m)
+        columns = len(LEVEL_PREDICTORS)
+        put = object.__setattr__
+        put(self, "start", frozen_array(self.start, np.int32, (types + 1,), "level start"))
+        counts = frozen_array(self.counts, np.float64, (levels, columns), "level counts")
+        put(self, "counts", counts)
+        put(self, "error_m", frozen_array(self.error_m, np.float64, (levels,), "level error_m"))
+        put(self, "bytes", frozen_array(self.bytes, np.float64, (levels,), "level bytes"))
+        put(self, "continuous", frozen_array(self.continuous, np.bool_, (types,), "continuous"))
+        steps = np.diff(self.start)
+        if types < 1 or self.start[0] != 0 or self.start[-1] != levels or (steps < 1).any():
+            raise InputError("level start: expected every type to own at least one level")
+        for name, array in (("counts", counts), ("error_m", self.error_m), ("bytes", self.bytes)):
+            require_finite(array, f"level {name}", low=0.0)
+        owner = np.repeat(np.arange(types, dtype=np.int32), steps)
+        put(self, "type_of_level", frozen_array(owner, np.int32, (levels,), "type_of_level"))
+        primitives = counts[:, _TRIANGLES] + counts[:, _SPLATS]
+        self._require_ordered(primitives, owner)
+        full = primitives[self.start[:-1]][owner]
+        share = np.divide(primitives, full, out=np.ones(levels), where=full > 0)
+        put(self, "resolution", frozen_array(share, np.float64, (levels,), "resolution"))
+        put(self, "level_count", frozen_array(steps, np.int32, (types,), "level_count"))
+        coarsest = share[self.start[1:] - 1]
+        put(self, "min_resolution", frozen_array(coarsest, np.float64, (types,), "coarsest"))
+        # Ascending over the whole table: types two apart, coarseness within a type.
+        key = 2.0 * owner + (1.0 - share)
+        put(self, "_key", frozen_array(key, np.float64, (levels,), "key"))
+
+    def _require_ordered(self, primitives: FloatArray, owner: IntArray) -> None:
+        same = owner[1:] == owner[:-1]
+        grows = same & (np.diff(primitives) > 0)
+        better = same & (np.diff(self.error_m) < 0)
+        if grows.any() or better.any():
+            row = int(np.flatnonzero(grows | better)[0]) + 1
+            raise InputError(
+                f"levels of type {owner[row]}: expected finest first (primitives not growing, "
+                f"error not falling), got {primitives[row]:g} primitives and error "
+                f"{self.error_m[row]:g} m at level {row - int(self.start[owner[row]])}"
+            )
+
+    def position(self, type_index: IntArray, detail: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return row and fraction of each (type, detail): a value is a lerp of rows i and i + 1.
+
+        `detail` is a level index for discrete types and a resolution for continuous ones, both
+        (m,); fractions of discrete types are 0.
+        """
+        row = self.start[type_index] + np.where(
+            self.continuous[type_index], 0, np.nan_to_num(detail)
+        ).astype(np.int32)
+        fraction = np.zeros(len(row))
+        soft = np.flatnonzero(self.continuous[type_index])
+        if len(soft):
+            kind = type_index[soft]
+            key = 2.0 * kind + (1.0 - detail[soft])
+            low = np.searchsorted(self._key, key, side="right") - 1
+            low = np.clip(low, self.start[kind], np.maximum(self.start[kind + 1] - 2, 0))
+            low = np.maximum(low, self.start[kind]).astype(np.int32)
+            high = np.minimum(low + 1, self.start[kind + 1] - 1)
+            width = self._key[high] - self._key[low]
+            part = np.divide(key - self._key[low], width, out=np.zeros(len(low)), where=width > 0)
+            row[soft] = low
+            fraction[soft] = np.clip(part, 0.0, 1.0)
+        return row, fraction
+
+    def interpolate(self, column: FloatArray, row: IntArray, fraction: FloatArray) -> FloatArray:
+        """Return values of a per-level `column`, (L,) or (L, P), at the result of `position`."""
+        low = column[row]
+        if not fraction.any():
+            return low
+        high = column[np.minimum(row + 1, len(column) - 1)]
+        weight = fraction if column.ndim == 1 else fraction[:, None]
+        return low + weight * (high - low)

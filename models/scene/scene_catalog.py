@@ -1,0 +1,94 @@
+"""Scenes by name or by file: the bundled ones, scene files, 3D Tiles tilesets and glTF."""
+
+import difflib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...base.errors import InputError
+from ..meshes.geometry import Geometry
+from ..scenes.scene_cache import cached_scene
+from ..scenes.scene_registry import ABOUT, Build, find_builder
+from .scene import Scene
+from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
+
+SUFFIX = ".lodscene"
+
+_UNCACHED = "plaza"  # made as quickly as read
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedScene:
+    """A scene, where it comes from, and how to get the meshes of its levels.
+
+    Attributes
+    ----------
+    read_geometry : callable
+        Returns one mesh for each row of the level table, or none where the source has none.
+    """
+
+    scene: Scene
+    origin: SceneOrigin
+    read_geometry: Callable[[], Geometry]
+
+
+def list_bundled_scenes() -> tuple[str, ...]:
+    """Return the names of the bundled scenes, sorted."""
+    return tuple(ABOUT)
+
+
+def load_scene(spec: str) -> Scene:
+    """Return the scene that `open_scene` opens; raises InputError as that does."""
+    return open_scene(spec).scene
+
+
+def open_scene(spec: str) -> OpenedScene:
+    """Open the bundled scene of that name, or the file of that path.
+
+    Large bundled scenes are made the first time and kept in `scene_cache.cache_folder`.
+    ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, anything else is a scene
+    file.
+
+    Raises `InputError` if there is neither, with the nearest bundled name; if the file is not a
+    scene; or if the cache cannot be written to.
+    """
+    build = find_builder(spec)
+    if build is not None:
+        return _open_named(spec, build)
+    path = Path(spec)
+    suffix = path.suffix.lower()
+    if suffix == ".json":
+        return _open_tileset(path)
+    if suffix in (".gltf", ".glb"):
+        return _open_gltf(path)
+    if suffix == SUFFIX or path.is_file():
+        return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
+    names = list_bundled_scenes()
+    near = difflib.get_close_matches(spec, names, n=1)
+    hint = f"did you mean {near[0]}?" if near else "name one or give a path"
+    raise InputError(
+        f"scene: expected one of {', '.join(names)} or a file ({SUFFIX}, tileset.json, .gltf, "
+        f".glb), got {spec}; {hint}"
+    )
+
+
+def _open_named(name: str, build: Build) -> OpenedScene:
+    if name == _UNCACHED:
+        scene, geometry = build()
+        return OpenedScene(scene, SceneOrigin("bundled"), lambda: geometry)
+    path = cached_scene(name, SUFFIX, build)
+    return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
+
+
+def _open_tileset(path: Path) -> OpenedScene:
+    from ..tiles.tileset import read_tileset
+
+    scene, origin = read_tileset(path)
+    return OpenedScene(scene, origin, tuple)
+
+
+def _open_gltf(path: Path) -> OpenedScene:
+    from ..gltf.gltf_lod import read_gltf_scene
+
+    scene, geometry, origin = read_gltf_scene(path)
+    return OpenedScene(scene, origin, lambda: geometry)

@@ -1,0 +1,1 @@
+"""Pieces that bundled scenes are made of."""

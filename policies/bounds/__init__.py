@@ -1,0 +1,1 @@
+"""Ends of the scale: full detail, and the best selection there is."""

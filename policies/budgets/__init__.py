@@ -1,0 +1,1 @@
+"""Policies that choose the best picture within a predicted cost."""

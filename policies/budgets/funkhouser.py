@@ -1,0 +1,170 @@
+"""``funkhouser``: most benefit within a predicted cost, one level an object."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ...base.arrays import FloatArray, IntArray
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.choices import Choices, Offer, make_choices, require_costs
+from ..shared.v_time import VTime
+from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
+from ..solvers.value_greedy import greedy_by_value, improve_incrementally
+from ..view import View
+
+
+@dataclass(slots=True)
+class Funkhouser:
+    """Idea: maximise Σ benefit subject to Σ cost ≤ budget, a multiple-choice knapsack a frame.
+
+    Benefit = size · accuracy · importance · focus · motion · hysteresis.  Size is the projected
+    area, accuracy ``1 - 0.5 / samples^exponent``.  Focus, motion and hysteresis were never
+    published; ours are ``1 - focus · eccentricity / half the diagonal field of view``,
+    ``1 / (1 + motion · apparent speed in 1/60 s over angular size)`` and
+    ``1 / (1 + hysteresis · |level - last level|)``.
+
+    `mode` is ``greedy`` (the paper's order: tuples by falling benefit / cost), ``incremental`` (the
+    paper's second algorithm, from the last frame's levels) or ``hull`` (increments on the upper
+    hull by falling slope, and the best single increment if that is worth more: at least half the
+    optimum, which the paper's order is not).  With `skip` objects may be left out altogether, as in
+    the paper; without, every object is at least at its coarsest level, over budget if need be.
+    `misfit` says whether the hull order ends at the first increment that does not fit; going on
+    behind it makes small camera moves flip levels.  In a hierarchy a root's levels are the fronts
+    of uniform depth below it, then coarser knots of the continuous nodes of the coarsest front.
+
+    Uses: the scene's cost model, projected area, eccentricity, apparent speed, last levels.
+
+    Parameters: as below.
+
+    Cost per frame: O(n L log(n L)) for n objects of L levels.
+
+    Reference: Funkhouser and Séquin, "Adaptive display algorithm for interactive frame rates during
+    visualization of complex virtual environments", SIGGRAPH 1993; hull order after Sinha and
+    Zoltners 1979, as PlayCanvas ships it for Gaussian splats.
+    """
+
+    mode: Literal["greedy", "incremental", "hull"] = "hull"  # ours: the one with a bound
+    misfit: Literal["stop", "skip"] = "stop"  # as PlayCanvas: skipping flips levels
+    skip: bool = False  # the paper may leave objects out; a missing object is the worst pop
+    exponent: float = 1.0  # flat shading; 2 (Gouraud) puts every level above 0.9999
+    focus: float = 0.5  # ours
+    motion: float = 0.5  # ours
+    hysteresis: float = 1e-4  # ours: of the order of accuracy steps between neighbouring levels
+    max_steps: int = 64  # ours: exchanges of the incremental form a frame
+    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _v_time: VTime = field(init=False, repr=False, compare=False)
+    _choices: Choices = field(init=False, repr=False, compare=False)
+    _column: IntArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.empty(0, dtype=np.int32)
+    )
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters: exchanges of large scenes take many frames.
+
+        With `adapt` the budget is kept by what frames took, not by the cost model.
+        """
+        if self.adapt:
+            return Claims()
+        return Claims(budget=True, settles_frames=None if self.mode == "incremental" else 8)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters and tabulate the scene's levels."""
+        if self.mode not in ("greedy", "incremental", "hull") or self.misfit not in (
+            "stop",
+            "skip",
+        ):
+            raise InputError(
+                "funkhouser: expected mode greedy, incremental or hull and misfit stop or skip, "
+                f"got {self.mode} and {self.misfit}"
+            )
+        weights = (self.motion, self.hysteresis, self.max_steps)
+        if self.exponent <= 0 or min(weights) < 0 or not 0 <= self.focus < 1:
+            raise InputError(
+                "funkhouser: expected exponent > 0, focus in [0, 1), motion, hysteresis and "
+                "max_steps >= 0"
+            )
+        self._choices = make_choices(scene, require_costs(scene, "funkhouser"), self.exponent)
+        self._budget_ms = budget_ms
+        self._v_time = VTime(self.adapt, "funkhouser")
+        self._column = np.full(len(scene), -1, dtype=np.int32)
+
+    def select(self, view: View) -> Selection:
+        """Return the selection of most benefit that the mode finds within the budget."""
+        whole_ms = self._v_time.budget_ms(view, self._budget_ms)
+        offer = self._choices.offer(view, self._weight)
+        if not len(offer.objects):
+            expected_ms = self._v_time.expect(offer.fixed_ms)
+            return Selection(view.ids, np.zeros(0), predicted_ms=expected_ms)
+        last = self._column[offer.objects]
+        cost_ms, benefit = offer.cost_ms, self._held(offer, last)
+        real = np.isfinite(cost_ms).sum(axis=1)
+        if self.skip:
+            cost_ms, benefit = _with_nothing(cost_ms, benefit, real)
+        budget_ms = whole_ms - offer.fixed_ms
+        column, steps = self._choose(cost_ms, benefit, budget_ms, last)
+        drawn = column < real
+        self._column.fill(-1)
+        self._column[offer.objects[drawn]] = column[drawn]
+        ids, detail = self._choices.drawn(view, np.where(drawn, column, 0), drawn)
+        predicted_ms = offer.fixed_ms + float(cost_ms[np.arange(len(column)), column].sum())
+        tuples = int(real.sum())
+        work = Work(len(column), tuples * tuples.bit_length(), steps)
+        return Selection(ids, detail, work, predicted_ms=self._v_time.expect(predicted_ms))
+
+    def _weight(self, view: View) -> FloatArray:
+        """Return importance, focus and motion of nodes."""
+        camera = view.camera
+        half_px = 0.5 * np.hypot(camera.width_px, camera.height_px)
+        half_deg = float(np.degrees(np.arctan2(half_px, camera.focal_px)))
+        weight = view.scene.importance[view.ids]
+        if self.focus:
+            weight = weight * (1.0 - self.focus * np.minimum(view.eccentricity_deg / half_deg, 1.0))
+        if self.motion:
+            size_deg = np.degrees(2.0 * np.arctan2(view.radius_m, view.nearest_m))
+            weight = weight / (1.0 + self.motion * view.speed_deg_s / (60.0 * size_deg))
+        return weight
+
+    def _held(self, offer: Offer, last: IntArray) -> FloatArray:
+        """Return benefits with the hysteresis factor; objects that were not drawn have none."""
+        if not self.hysteresis:
+            return offer.benefit
+        columns = np.arange(offer.benefit.shape[1], dtype=np.int32)
+        away: IntArray = np.abs(columns - last[:, None])
+        away[last < 0] = 0
+        return offer.benefit / (1.0 + self.hysteresis * away)
+
+    def _choose(
+        self, cost_ms: FloatArray, benefit: FloatArray, budget_ms: float, last: IntArray
+    ) -> tuple[IntArray, int]:
+        """Return a column for each object, and steps of iteration."""
+        coarsest = np.isfinite(cost_ms).sum(axis=1) - 1
+        if self.mode == "greedy":
+            return greedy_by_value(cost_ms, benefit, budget_ms, coarsest), 0
+        if self.mode == "incremental":
+            start = np.where(last < 0, coarsest, last)
+            return improve_incrementally(cost_ms, benefit, budget_ms, start, self.max_steps)
+        cost_ms = affordable(cost_ms, budget_ms)
+        increments = hull_increments(cost_ms, benefit)
+        choice = take_increments(increments, budget_ms, skip_misfits=self.misfit == "skip")
+        single, single_benefit = best_single(cost_ms, benefit, increments, budget_ms)
+        return (single if single_benefit > choice.benefit else choice.column), 0
+
+
+def _with_nothing(
+    cost_ms: FloatArray, benefit: FloatArray, real: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return alternatives with one more behind each row's last: drawing nothing, free of cost."""
+    rows = np.arange(len(real))
+    cost_ms = np.column_stack((cost_ms, np.full(len(real), np.inf)))
+    benefit = np.column_stack((benefit, np.zeros(len(real))))
+    cost_ms[rows, real] = 0.0
+    benefit[rows, real] = 0.0
+    return cost_ms, benefit

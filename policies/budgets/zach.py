@@ -1,0 +1,134 @@
+"""``zach``: discrete increments and smooth resolutions within one predicted budget."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ...models.scene.tree import Tree
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.choices import require_costs
+from ..shared.resolution_cost import ResolutionCosts
+from ..shared.zach_groups import Groups, Plan
+from ..shared.zach_patches import Offer, Patches
+from ..solvers.mixed_selection import raise_in_turn
+from ..solvers.smooth_ascent import Ascent, GradientAscent, NewtonAscent
+from ..view import View
+
+_KEPT_BACK = 1e-9
+"""Share of the budget that is left to rounding, so that a prediction never exceeds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Halves:
+    """What a scene's nodes cost, and which of them are discrete and which smooth."""
+
+    costs: ResolutionCosts
+    patches: Patches
+    groups: Groups
+
+
+@dataclass(slots=True)
+class Zach:
+    """Idea: raise discrete and smooth representations in turn, whichever gains more per cost.
+
+    Discrete nodes start at their coarsest and take Mason and Blake's increments: a finer level, or
+    the children for the node.  Continuous leaves (groups of trees, or objects) are smooth
+    variables, raised along the gradient of benefit, with a barrier before full resolution, by a
+    line search to where their benefit per cost falls to the next increment's.  With `splitting`
+    all groups below a node of their tree share one variable where this loses less than ε allows
+    (Algorithm 1).  A group of splats whose trees get less than a splat each, or whose splats are
+    worth less than setting them up, is not drawn, nor is one smaller than `cull_px`; other types
+    are always drawn.  Whenever the search ends, what it has keeps the budget, unless the coarsest
+    selection does not; then that is drawn.
+
+    Benefit of a patch is ``sqrt(2^(d_max - d)) · S``, S its area in pixels and d its height above
+    the leaves; of a group of N trees ``k S² (N / 64) sqrt(x / N · N_splats)``, S² its area.  With
+    d from the root, as printed, refining would lower benefit; with areas squared, the nearest group
+    would outweigh all terrain.  Both are multiplied by importance.  A continuous node that has
+    children, or stands below a node with geometry, is refined in steps of its knots.
+
+    Uses: the cost model, projected areas and importance of the nodes in view.
+
+    Parameters: `splitting`, `epsilon`, `barrier`, `cull_px`, `engine` (how smooth variables rise:
+    along rays that end at the first bound they meet, as printed, or are bent along it, or by the
+    closed form), `max_steps` (increments taken together, or one line search, are one step).
+
+    Cost per frame: O(n log n) for n nodes in view, and O(V) a step for V variables.
+
+    Reference: Zach, Mantler and Karner, Time-critical rendering of discrete and continuous levels
+    of detail, VRST 2002.  Differences: see `smooth_ascent` (gradient in the root of the cost) and
+    `variable_splitting` (sums over groups for S² and S⁴).
+    """
+
+    splitting: bool = True  # the paper's enhanced method
+    epsilon: float = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
+    barrier: float = 1e-3  # ours; "a small constant" in the paper
+    cull_px: float = 2.0  # ours; the paper prints no value
+    engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
+    max_steps: int = 256  # ours; some ten, but with "gradient" one for each variable that fills up
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _halves: _Halves | None = field(init=False, repr=False, compare=False, default=None)
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters, and tell smooth leaves from discrete nodes."""
+        if self.epsilon < 0.0 or self.barrier < 0.0 or self.cull_px < 0.0 or self.max_steps < 0:
+            raise InputError(
+                "zach: expected epsilon, barrier, cull_px and max_steps >= 0, got "
+                f"{self.epsilon}, {self.barrier}, {self.cull_px} and {self.max_steps}"
+            )
+        costs = ResolutionCosts(scene, "zach")
+        self._budget_ms = budget_ms
+        tree = Tree(scene)
+        solid = (tree.primitives > 0.0) | tree.leaf
+        free = tree.first_in(solid, np.arange(len(scene))) < 0
+        smooth = scene.continuous & tree.leaf & free
+        patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
+        self._halves = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
+
+    def select(self, view: View) -> Selection:
+        """Return the front and the resolutions that fit the budget."""
+        halves = self._halves
+        assert halves is not None, "reset comes first"
+        offer = halves.patches.offer(view)
+        inside, seen = halves.groups.seen(view)
+        everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
+        left_ms -= halves.costs.frame_ms(everything)
+        epsilon = self.epsilon if self.splitting else None
+        plan = halves.groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
+        if plan is None:
+            ids = seen.ids[~halves.groups.optional(seen)]
+            resolution = halves.costs.lowest(view.at(ids))
+            work = Work(len(everything))
+        else:
+            smooth = self._ascent(plan)
+            left_ms -= plan.setup_ms + float(plan.low.sum())
+            _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
+            ids = plan.ids
+            resolution = np.maximum(plan.resolution(smooth.x), halves.costs.lowest(view.at(ids)))
+            work = _work(offer, plan, smooth, steps)
+        patch_ids, level = halves.patches.front(offer)
+        ids, detail = np.concatenate((patch_ids, ids)), np.concatenate((level, resolution))
+        predicted_ms = halves.costs.predict_ms(view.at(ids), detail)
+        return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
+
+    def _ascent(self, plan: Plan) -> Ascent:
+        if self.engine == "newton":
+            return NewtonAscent(plan.weight, plan.low, plan.high)
+        bent = self.engine == "bent"
+        return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
+
+
+def _work(offer: Offer, plan: Plan, smooth: Ascent, steps: int) -> Work:
+    """Return what was done: two comparisons a variable and pass, and the sorting of increments."""
+    increments = offer.forest.count
+    comparisons = plan.comparisons + increments * increments.bit_length()
+    comparisons += 2 * smooth.passes * len(plan.weight)
+    return Work(len(offer.view) + plan.visited, comparisons, steps + smooth.passes)

@@ -1,0 +1,129 @@
+"""``pid``: an angle of detail steered by a controller with hifi's gains."""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities
+from ..selection import Selection
+from ..shared.reports import Reports
+from ..thresholds.static_screen import StaticScreen
+from ..view import View
+
+
+@dataclass(slots=True)
+class Pid:
+    """Idea: add the output of a PID controller on the frame rate to an angle of detail, in degrees.
+
+    Our reading of the angle: an object that appears as large is drawn at its finest level, one of
+    `ratio` times its height at the next, and so on, as in `static-screen`.
+
+    Two running means of the time are kept, over `tau_s` and over `smooth` times that.  The error is
+    the target rate minus the smooth mean's rate, over the target; it is 0 where its square is below
+    the variance, `kv` times the squared difference of the two means' rates, and rises to its full
+    size at twice the variance.  It is clamped to ±1, so that with `kp` alone the angle moves by one
+    degree a frame at most.
+
+    Uses: work times of completed frames, the clock, and what `static-screen` uses.
+
+    Parameters: as below.
+
+    Cost per frame: O(n), one visit an object.
+
+    Reference: LODManager of High Fidelity's interface (now Vircadia and Overte), whose target is a
+    rate plus 5 Hz, and whose angle is the size below which things are left out.
+    """
+
+    kp: float = 1.0  # hifi's
+    ki: float = 0.0  # hifi's
+    kd: float = 0.0  # hifi's
+    kv: float = 1.0  # hifi's
+    tau_s: float = 0.08  # hifi's, seconds of the running mean
+    smooth: float = 10.0  # hifi's
+    offset_hz: float = 5.0  # hifi's, above the rate of the budget
+    min_deg: float = 0.001  # hifi's
+    max_deg: float = 90.0  # hifi's
+    start_deg: float = 10.0  # ours
+    ratio: float = 0.5  # as static-screen
+    hysteresis: float = 0.0  # hifi has none
+    _target_hz: float = field(init=False, repr=False, compare=False, default=60.0)
+    _angle_deg: float = field(init=False, repr=False, compare=False, default=10.0)
+    _now_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _smooth_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _error: float = field(init=False, repr=False, compare=False, default=0.0)
+    _integral: float = field(init=False, repr=False, compare=False, default=0.0)
+    _last_ns: int = field(init=False, repr=False, compare=False, default=0)
+    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
+    _static: StaticScreen = field(
+        init=False, repr=False, compare=False, default_factory=StaticScreen
+    )
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters and start from the first angle, without a past."""
+        gains = (self.kp, self.ki, self.kd, self.kv, self.offset_hz)
+        if not all(gain >= 0 for gain in gains):
+            raise InputError("pid: expected kp, ki, kd, kv and offset_hz >= 0")
+        if not (self.tau_s > 0 and self.smooth >= 1):
+            raise InputError(
+                f"pid: expected tau_s > 0 and smooth >= 1, got {self.tau_s:g} and {self.smooth:g}"
+            )
+        if not 0 < self.min_deg <= self.start_deg <= self.max_deg < 180:
+            raise InputError(
+                "pid: expected 0 < min_deg <= start_deg <= max_deg < 180, got "
+                f"{self.min_deg:g}, {self.start_deg:g} and {self.max_deg:g}"
+            )
+        self._static = StaticScreen(1.0, self.ratio, 1.0, self.hysteresis)
+        self._static.reset(scene, budget_ms)
+        self._target_hz = 1e3 / budget_ms + self.offset_hz
+        self._angle_deg = self.start_deg
+        self._now_ms = self._smooth_ms = math.nan
+        self._error = self._integral = 0.0
+        self._last_ns = 0
+        self._reports = Reports()
+
+    def select(self, view: View) -> Selection:
+        """Steer the angle, then return a level for every candidate."""
+        time_ms = self._reports.newest_ms(view.completed.work_ms, 1e3 / self._target_hz)
+        if math.isfinite(time_ms):
+            step_s = (view.time_ns - self._last_ns) * 1e-9
+            self._last_ns = view.time_ns
+            self._average(time_ms, step_s)
+            self._steer(step_s)
+        half_deg = 0.5 * self._angle_deg
+        camera = view.camera
+        height = math.tan(math.radians(half_deg)) * 2.0 * camera.focal_px / camera.height_px
+        return self._static.select_biased(view, 1.0 / height)
+
+    def _average(self, time_ms: float, step_s: float) -> None:
+        if math.isnan(self._now_ms):
+            self._now_ms = self._smooth_ms = time_ms
+            return
+        blend = min(step_s / self.tau_s, 1.0)
+        self._now_ms += blend * (time_ms - self._now_ms)
+        blend = min(step_s / (self.tau_s * self.smooth), 1.0)
+        self._smooth_ms += blend * (time_ms - self._smooth_ms)
+
+    def _steer(self, step_s: float) -> None:
+        step_s = min(step_s, self.tau_s)
+        if step_s <= 0.0:
+            return
+        error = self._gated_error()
+        self._integral = min(max(self._integral + error * step_s, -1.0), 1.0)
+        slope = (error - self._error) / step_s
+        self._error = error
+        output = self.kp * error + self.ki * self._integral + self.kd * slope
+        self._angle_deg = min(max(self._angle_deg + output, self.min_deg), self.max_deg)
+
+    def _gated_error(self) -> float:
+        """Return the relative error of the smooth rate, less what the variance explains."""
+        now_hz, smooth_hz = 1e3 / self._now_ms, 1e3 / self._smooth_ms
+        error_hz = self._target_hz - smooth_hz
+        variance = self.kv * (smooth_hz - now_hz) ** 2
+        weight = 1.0
+        if variance > 0.0:
+            weight = min(max(error_hz * error_hz / variance - 1.0, 0.0), 1.0)
+        return min(max(weight * error_hz / self._target_hz, -1.0), 1.0)

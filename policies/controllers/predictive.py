@@ -1,0 +1,136 @@
+"""``predictive``: another policy, shown the pose that is expected when the frame is displayed."""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from ...base.errors import InputError
+from ...models.scene.camera import Camera
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims, Policy, claims_of
+from ..registry import parse_policy
+from ..selection import Selection
+from ..view import View
+
+Quaternion = tuple[float, float, float, float]
+
+
+def extrapolate(before: Camera, now: Camera, ahead: float) -> Camera:
+    """Return the camera `ahead` times the step from `before` to `now` later.
+
+    Velocity and turn rate stay those of the step.
+    """
+    ax, ay, az = before.position_m
+    bx, by, bz = now.position_m
+    position_m = (bx + ahead * (bx - ax), by + ahead * (by - ay), bz + ahead * (bz - az))
+    orientation = _turn_on(before.orientation_xyzw, now.orientation_xyzw, ahead)
+    return replace(now, position_m=position_m, orientation_xyzw=orientation)
+
+
+def _near(before: Quaternion, now: Quaternion) -> tuple[Quaternion, float]:
+    """Return `before` with the sign that is nearer to `now`, and half the turn between them."""
+    if math.fsum(a * b for a, b in zip(before, now, strict=True)) < 0.0:
+        x, y, z, w = before
+        before = (-x, -y, -z, -w)
+    # By the chord: the arc cosine has no digits left for small turns.
+    return before, 2.0 * math.asin(0.5 * math.dist(before, now))
+
+
+def _turn_on(before: Quaternion, now: Quaternion, ahead: float) -> Quaternion:
+    """Return the orientation on the great arc from `before` to `now`, beyond it (slerp)."""
+    before, half_rad = _near(before, now)
+    sine = math.sin(half_rad)
+    if sine == 0.0:
+        return now
+    a, b = -math.sin(ahead * half_rad) / sine, math.sin((1.0 + ahead) * half_rad) / sine
+    x, y, z, w = (a * p + b * q for p, q in zip(before, now, strict=True))
+    norm = math.hypot(x, y, z, w)
+    return x / norm, y / norm, z / norm, w / norm
+
+
+# Without slots, so that an instance can have the capabilities of the policy that it wraps.
+@dataclass
+class Predictive:
+    """Idea: let any policy decide on the pose at which its frame will be seen.
+
+    The pose is extrapolated from the last two frames with constant velocity and turn rate.  The
+    candidates are those of the frustum as it is; objects that move are not extrapolated.  The
+    expected lag is the mean interval between frames, times the frames whose times are not known yet
+    and one more; where timers are read long after completion this is too far, and `horizon_ms`
+    sets it.  A step faster than the limits is taken for a cut and not continued.
+
+    The policy and its parameters are written with a plus where a command line has a colon or a
+    comma: ``predictive:policy=funkhouser+mode=greedy+skip=on``.
+
+    Uses: poses of this and the last frame, number of frames under way; and what the policy uses.
+
+    Parameters: as below.
+
+    Cost per frame: that of the policy, and another projection of the candidates.
+
+    Reference: lag and its compensation by prediction after Wloka, "Lag in multiprocessor virtual
+    reality", Presence 1995; Zach's policies of 2002 predict poses for levels prepared ahead.
+    """
+
+    policy: str = "funkhouser"  # ours: the policy that a late pose hurts most is a predictive one
+    horizon_ms: float | None = None  # None: from the frames under way
+    max_speed_m_s: float = 50.0  # ours: faster is a cut
+    max_turn_deg_s: float = 720.0  # ours: faster is a cut
+    _inner: Policy = field(init=False, repr=False, compare=False)
+    _step_s: float = field(init=False, repr=False, compare=False, default=math.nan)
+    _before: Camera | None = field(init=False, repr=False, compare=False, default=None)
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+
+    def __post_init__(self) -> None:
+        name, plus, given = self.policy.partition("+")
+        self._inner = parse_policy(name + plus.replace("+", ":") + given.replace("+", ",")).make()
+        if self._inner.capabilities.future:
+            raise InputError(f"predictive: expected a policy that sees no future, got {name}")
+        self.__dict__["capabilities"] = self._inner.capabilities
+
+    @property
+    def claims(self) -> Claims:
+        """That it comes to rest if the policy does; the rest holds for another pose."""
+        frames = claims_of(self._inner).settles_frames
+        return Claims(settles_frames=None if frames is None else frames + 1)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters and reset the policy."""
+        if self.horizon_ms is not None and not 0.0 <= self.horizon_ms < math.inf:
+            raise InputError(f"predictive: expected horizon_ms >= 0, got {self.horizon_ms:g}")
+        if not (self.max_speed_m_s > 0 and self.max_turn_deg_s > 0):
+            raise InputError(
+                "predictive: expected max_speed_m_s > 0 and max_turn_deg_s > 0, got "
+                f"{self.max_speed_m_s:g} and {self.max_turn_deg_s:g}"
+            )
+        self._inner.reset(scene, budget_ms)
+        self._step_s = math.nan
+        self._before = None
+
+    def select(self, view: View) -> Selection:
+        """Return what the policy selects on the predicted pose."""
+        state = view.state
+        camera = self._predict(view)
+        seen = replace(state, camera=camera, previous_camera=self._before)
+        self._before = camera
+        xyz_m = camera.to_camera(state.centers_m.take(view.ids, axis=1))
+        return self._inner.select(View(seen, view.ids, xyz_m))
+
+    def _predict(self, view: View) -> Camera:
+        before, now, step_s = view.state.previous_camera, view.camera, view.state.step_s
+        if before is None or step_s <= 0.0:
+            return now
+        self._step_s = step_s if math.isnan(self._step_s) else self._step_s
+        self._step_s += (step_s - self._step_s) / 8.0  # a mean over some eight frames
+        speed_m_s = math.dist(before.position_m, now.position_m) / step_s
+        _, half_rad = _near(before.orientation_xyzw, now.orientation_xyzw)
+        turn_deg_s = math.degrees(2.0 * half_rad) / step_s
+        if speed_m_s > self.max_speed_m_s or turn_deg_s > self.max_turn_deg_s:
+            return now
+        return extrapolate(before, now, self._horizon_s(view) / step_s)
+
+    def _horizon_s(self, view: View) -> float:
+        if self.horizon_ms is not None:
+            return 1e-3 * self.horizon_ms
+        return (view.frame - len(view.completed) + 1) * self._step_s

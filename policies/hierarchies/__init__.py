@@ -1,0 +1,1 @@
+"""Policies that choose a front in a hierarchy."""

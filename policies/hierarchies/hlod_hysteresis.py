@@ -1,0 +1,202 @@
+"""``hlod-hysteresis``: time slices down the tree, and counters that switch by urgency."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.hierarchy import Hierarchy
+from ..shared.priority_list import PriorityList
+from ..shared.time_loops import TimeLoops
+from ..view import View
+
+_TEXTURED = LEVEL_PREDICTORS.index("textured_triangles")
+
+
+@dataclass(slots=True)
+class HlodHysteresis:
+    """Idea: each node shares its time slice among its children; who has long been short, goes.
+
+    Priority is ``sqrt(triangles · surface) · (1 + c_vis · visibility) / (cost · distance²)``.  From
+    the roots down, visible siblings share their parent's slice by priority, and each adds its
+    urgency ``(slice - needed) / needed`` to a counter within ``±limit``.  The children are drawn in
+    place of their parent while ``Σ trunc(counter / switch)`` over the visible ones is at least 0
+    and they are all in memory; roots are always drawn or refined.  So a node that is far out of
+    balance switches within a few frames and one that nearly fits takes long or never does.  Two
+    loops learn from completed frames: the time of a unit of cost, and the time that the roots
+    share, raised while nodes were refused though time was left and lowered when over.
+
+    The constants are the thesis' (Table 6.1; 1500 and 4510 there have lost their point).  Readings:
+    counters start at ``-limit``, because 0 descends and a cold start would draw the finest level;
+    the roots share the target less the fixed overhead; surface is the bounding sphere's disc;
+    visibility falls from 1 at the frustum's edge to 0 straight behind; distance is at least the
+    radius, and is taken from where the camera will be in `lead_s`; the rates of the two loops.
+    Foreshortening needs average normals, which a scene does not have, and is 1.  A node that stays
+    drawn beside its children leaves them what its slice exceeds its own need by.
+
+    It wants nodes in memory by priority: all that it visits, those of refused families and those
+    outside the frustum included.
+
+    Uses: triangles, distance, residency, GPU times of completed frames; the cost model, if there is
+    one, for the overhead and a first guess of the time of a unit of cost.
+
+    Parameters: as below.
+
+    Cost per frame: O(v) for v nodes visited, which are those drawn, their ancestors and siblings;
+    re-sorting the priority list costs a comparison for each place that a node moves.
+
+    Reference: the HLOD thesis on out-of-core rendering with temporal hysteresis, chapters 3 and 4.
+    """
+
+    textured: float = 0.127  # Table 6.1, c_textured
+    vis: float = 1.275  # Table 6.1, c_vis
+    switch: float = 1.5  # Table 6.1, c_hystSwitch
+    limit: float = 4.51  # Table 6.1, c_hystLimit
+    all_children: bool = False  # section 5.2: wait for children outside the frustum too
+    target: float = 1.0  # share of the budget to aim at; the thesis aims at all of it
+    time_rate: float = 0.2  # ours: how fast v_time follows a measurement; 0 switches the loop off
+    share_rate: float = 0.003  # ours: "gradually"; relative change of shareTime a frame
+    margin: float = 0.1  # ours: "substantially" below or over the target
+    lead_s: float = 0.1  # ours: "slightly adjusted" for the user's velocity
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _loops: TimeLoops = field(init=False, repr=False, compare=False)
+    _units: FloatArray = field(init=False, repr=False, compare=False)
+    _static_benefit: FloatArray = field(init=False, repr=False, compare=False)
+    _counter: FloatArray = field(init=False, repr=False, compare=False)
+    _list: PriorityList = field(init=False, repr=False, compare=False, default_factory=PriorityList)
+
+    capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
+    claims: ClassVar[Claims] = Claims(hysteresis=True)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters, tabulate costs and benefits, and set every counter to `-limit`."""
+        rates = (self.time_rate, self.share_rate, self.margin, self.lead_s, self.vis)
+        if not (1.0 <= self.switch <= self.limit and 0.0 < self.target <= 1.0):
+            raise InputError(
+                "hlod-hysteresis: expected 1 <= switch <= limit and target in (0, 1], got "
+                f"{self.switch:g}, {self.limit:g} and {self.target:g}"
+            )
+        if min(rates) < 0.0 or max(rates[:3]) > 1.0 or not 0.0 < self.textured < 1.0:
+            raise InputError(
+                "hlod-hysteresis: expected textured in (0, 1), rates and margin in [0, 1], vis and "
+                "lead_s >= 0"
+            )
+        self._hierarchy = tree = Hierarchy(scene)
+        levels = scene.types.levels
+        finest = levels.start[:-1][scene.type_index]
+        textured = levels.counts[finest, _TEXTURED]
+        plain = np.maximum(tree.tree.primitives - textured, 0.0)
+        # Nodes without geometry count as one unit, so that nothing divides by zero.
+        self._units = np.maximum(textured * self.textured + plain * (1.0 - self.textured), 1.0)
+        disc_m2 = np.pi * scene.radius_m**2
+        self._static_benefit = np.sqrt(np.maximum(tree.tree.primitives, 1.0) * disc_m2)
+        self._loops = TimeLoops(
+            scene,
+            self._units,
+            self.target * budget_ms,
+            time_rate=self.time_rate,
+            share_rate=self.share_rate,
+            margin=self.margin,
+        )
+        self._counter = np.full(len(scene), -self.limit)
+        self._list = PriorityList()
+
+    def select(self, view: View) -> Selection:
+        """Return the front that the counters lead to, and the priority list as what is wanted."""
+        tree, loops = self._hierarchy, self._loops
+        loops.learn(view)
+        priority = self._priority(view)
+        found = self._descend(view, priority)
+        ids, detail = tree.front(view, tree.close(view, found.refined))
+        self._list.update(found.visited, priority)
+        units = float(self._units[ids].sum())
+        predicted_ms = loops.expect(units, found.pending, refused=found.refused)
+        work = Work(int(np.count_nonzero(found.visited)), self._list.comparisons)
+        return Selection(ids, detail, work, predicted_ms=predicted_ms, wanted=self._list.ids)
+
+    def _priority(self, view: View) -> FloatArray:
+        """Return the priority of every node, (N,)."""
+        everything = view.at(np.arange(len(self._units), dtype=np.int32))
+        ahead_m = everything.xyz_m + self._lead_m(view)[:, None]
+        distance_m = np.maximum(np.sqrt((ahead_m**2).sum(axis=0)), everything.radius_m)
+        camera = view.camera
+        edge = np.arctan2(0.5 * np.hypot(camera.width_px, camera.height_px), camera.focal_px)
+        reach = np.arcsin(np.clip(everything.radius_m / distance_m, 0.0, 1.0))
+        beyond = np.radians(everything.eccentricity_deg) - edge - reach
+        visibility = 1.0 - np.clip(beyond / (np.pi - edge), 0.0, 1.0)
+        visibility[view.state.inside] = 1.0
+        seen = self._static_benefit * (1.0 + self.vis * visibility)
+        return seen / (self._units * distance_m**2)
+
+    def _lead_m(self, view: View) -> FloatArray:
+        """Return by how much nodes will have moved against the camera, in its frame, (3,)."""
+        before, step_s = view.state.previous_camera, view.state.step_s
+        if before is None or step_s <= 0.0:
+            return np.zeros(3)
+        moved_m = np.subtract(view.camera.position_m, before.position_m)
+        return view.camera.axes @ moved_m * (-self.lead_s / step_s)
+
+    def _descend(self, view: View, priority: FloatArray) -> "_Descent":
+        """Count on the way down from the roots."""
+        tree, scene = self._hierarchy, self._hierarchy.scene
+        n, inside = len(scene), view.state.inside
+        needed_ms = self._loops.ms_per_unit * self._units
+        waits = tree.waits(view, for_all=self.all_children)
+        found = _Descent(np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_))
+        found.visited[tree.layers[0]] = True
+        slice_ms = np.zeros(n)
+        whole = float(priority[view.ids].sum())
+        slice_ms[view.ids] = self._loops.share_ms * priority[view.ids] / max(whole, 1e-300)
+        active = np.zeros(n, dtype=np.bool_)
+        active[view.ids] = True
+        for layer in tree.layers[1:]:
+            family = layer[active[scene.parent[layer]]]
+            siblings = family[inside[family]]
+            parent = scene.parent[siblings]
+            share_ms = slice_ms - np.where(scene.additive, needed_ms, 0.0)
+            whole = np.bincount(parent, priority[siblings], minlength=n)[parent]
+            slice_ms[siblings] = np.maximum(share_ms[parent], 0.0) * priority[siblings] / whole
+            urgency = self._count(siblings, slice_ms, needed_ms)
+            above = np.unique(scene.parent[family])
+            now = np.bincount(parent, np.trunc(self._counter[siblings] / self.switch), minlength=n)
+            later = np.bincount(parent, np.sign(urgency), minlength=n)
+            units = np.bincount(parent, self._units[siblings], minlength=n)
+            units = units - np.where(scene.additive, 0.0, self._units)
+            free = above[~waits[above]]
+            found.pending += float(((later >= 0.0) * units - (now >= 0.0) * units)[free].sum())
+            found.refused = found.refused or bool((later[free] < 0.0).any())
+            found.visited[family] = True
+            found.refined[above] = (now[above] >= 0.0) & ~waits[above] | tree.empty[above]
+            active[siblings] = found.refined[parent]
+        return found
+
+    def _count(self, nodes: IntArray, slice_ms: FloatArray, needed_ms: FloatArray) -> FloatArray:
+        """Add the urgency of nodes to their counters, and return it."""
+        urgency = (slice_ms[nodes] - needed_ms[nodes]) / needed_ms[nodes]
+        self._counter[nodes] = np.clip(self._counter[nodes] + urgency, -self.limit, self.limit)
+        return urgency
+
+
+@dataclass(slots=True)
+class _Descent:
+    """What the way down from the roots found.
+
+    Attributes
+    ----------
+    refined, visited : (N,) bool
+    refused : bool
+        Whether a family in memory is short of time, and will be as long as slices stay.
+    pending : float
+        Units of cost that switches under way will add once counters have followed their urgency.
+    """
+
+    refined: BoolArray
+    visited: BoolArray
+    refused: bool = False
+    pending: float = 0.0

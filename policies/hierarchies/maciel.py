@@ -1,0 +1,99 @@
+"""``maciel``: refinement by benefit over cost, each switch held back by a counter."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.best_first import refine_best_first
+from ..shared.choices import require_costs
+from ..shared.hierarchy import Hierarchy, NodeCosts, gains
+from ..view import View
+
+
+@dataclass(slots=True)
+class Maciel:
+    """Idea: refine the node whose children have most benefit for their cost, but not at once.
+
+    A pass from the leaves up finds each node's cost and benefit, and those of its children.  A pass
+    from the roots down refines, while the sum fits the budget, the drawn node of the largest
+    benefit / cost of its children.  A node that this would refine waits until it has been wished
+    for in more than `threshold` frames on end; it is coarsened at once.  The count is the same
+    however urgent the switch is.  A refinement that saves time is not held back.
+
+    Uses: the scene's cost model, projected area and importance of the leaves in view.
+
+    Parameters: `threshold`.
+
+    Cost per frame: O(n) for n nodes in view, and O(log n) for each node refined.
+
+    Reference: Maciel and Shirley, "Visual navigation of large environments using textured
+    clusters", I3D 1995, as the HLOD thesis describes it (sections 2.3 and 4.2); the text itself was
+    not at hand.  That coarsening is not held back is our reading of "from parent to children".
+    """
+
+    threshold: int = 8  # ours: frames; the thesis says only that it is fixed
+    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
+    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
+    _costs: NodeCosts = field(init=False, repr=False, compare=False)
+    _refined: BoolArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
+    )
+    _wished: IntArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.int32)
+    )
+
+    capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with this threshold."""
+        return Claims(budget=True, settles_frames=self.threshold + 2)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters, tabulate the hierarchy and start from the roots."""
+        if self.threshold < 0:
+            raise InputError(f"maciel: expected threshold >= 0, got {self.threshold}")
+        self._costs = NodeCosts(scene, require_costs(scene, "maciel"))
+        self._hierarchy = Hierarchy(scene)
+        self._budget_ms = budget_ms
+        self._refined = np.zeros(len(scene), dtype=np.bool_)
+        self._wished = np.zeros(len(scene), dtype=np.int32)
+
+    def select(self, view: View) -> Selection:
+        """Return the front that is wished for, less what is held back."""
+        tree = self._hierarchy
+        found = gains(tree, self._costs, view)
+        fixed_ms = self._costs.fixed_ms(view)
+        nothing = tree.close(view, np.zeros_like(self._refined))
+        base_ms = fixed_ms + float(found.cost_ms[tree.front(view, nothing)[0]].sum())
+        more_ms = tree.fold_empty(found.more_ms)
+        # Children that cost nothing are all outside the frustum.
+        key = np.full(len(more_ms), np.inf)
+        costs = found.children_ms > 0.0
+        np.divide(found.children_benefit, found.children_ms, out=key, where=costs)
+        wish, looked = refine_best_first(tree, view, key, more_ms, self._budget_ms - base_ms)
+        refined = tree.close(view, wish & self._ready(view, wish, more_ms))
+        ids, detail = tree.front(view, refined)
+        if fixed_ms + float(found.cost_ms[ids].sum()) > max(self._budget_ms, base_ms):
+            # What is held back would have made room for the rest.
+            refined = tree.close(view, wish)
+            ids, detail = tree.front(view, refined)
+        inside = view.state.inside
+        self._refined[inside] = refined[inside]
+        predicted_ms = fixed_ms + float(found.cost_ms[ids].sum())
+        work = Work(found.visited, looked * looked.bit_length())
+        return Selection(ids, detail, work, predicted_ms=predicted_ms)
+
+    def _ready(self, view: View, wish: BoolArray, more_ms: FloatArray) -> BoolArray:
+        """Count the wishes of this frame and return which nodes may be refined."""
+        inside = view.state.inside
+        new = wish & ~self._refined
+        self._wished[inside & ~new] = 0
+        self._wished[new] += 1
+        return self._refined | (self._wished > self.threshold) | (more_ms <= 0.0)

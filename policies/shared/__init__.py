@@ -1,0 +1,1 @@
+"""What several policies use, and the parts of the larger ones."""

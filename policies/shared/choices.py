@@ -1,0 +1,218 @@
+"""What an optimiser may choose for each object in view: cost and benefit of every alternative.
+
+In a flat scene an object's alternatives are its levels (the knots of a continuous type).  In a
+hierarchy the objects are the roots, and the alternatives of a root are the fronts of uniform depth
+below it, and then the coarsest front with its continuous nodes at coarser knots.  Nodes that stand
+for nothing, having children and no geometry, count for no depth and are never drawn.  Column 0 is
+the finest; a row that has fewer alternatives ends in infinite costs.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.errors import InputError
+from ...base.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
+from ...models.machine.cost import CostModel
+from ...models.scene.benefit import BASE_ERROR, level_primitives
+from ...models.scene.scene import Scene
+from ...models.scene.tree import Tree
+from ..view import View
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """Alternatives of one frame.
+
+    Attributes
+    ----------
+    cost_ms : (n, L) float64
+        Marginal GPU time; infinite where a row has no such alternative.
+    benefit : (n, L) float64
+        Size times accuracy times `weight`, summed over the nodes of the alternative.
+    fixed_ms : float
+        GPU time that the frame takes whatever is chosen; an upper bound as to state changes.
+    objects : (n,) int32
+        The candidate of each row.
+    size : (n,) float64
+        Projected area times `weight` of each candidate.
+    samples : (n, L) float64
+        Primitives of each alternative (flat scenes; a hierarchy's fronts have none of their own).
+    """
+
+    cost_ms: FloatArray
+    benefit: FloatArray
+    fixed_ms: float
+    objects: IntArray
+    size: FloatArray
+    samples: FloatArray
+
+
+class Choices(Protocol):
+    """The alternatives of a scene, from view to selection."""
+
+    def offer(self, view: View, weight: "Weight") -> Offer:
+        """Return the alternatives of a view's candidates."""
+        ...
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen columns of the kept rows."""
+        ...
+
+
+class Weight(Protocol):
+    """Benefit of a node beyond size and accuracy, such as importance times focus."""
+
+    def __call__(self, view: View) -> FloatArray:
+        """Return a factor for each node of the view, (m,)."""
+        ...
+
+
+def importance(view: View) -> FloatArray:
+    """Return the weight that the simulator's score gives to nodes (see `Weight`), (m,)."""
+    return view.scene.importance[view.ids]
+
+
+def require_costs(scene: Scene, policy: str) -> CostModel:
+    """Return the scene's cost model; raise InputError if it has none."""
+    if scene.costs is None:
+        raise InputError(f"{policy}: expected a scene with a cost model; use Scene.with_costs")
+    return scene.costs
+
+
+def make_choices(scene: Scene, costs: CostModel, exponent: float) -> Choices:
+    """Return the alternatives of a scene; accuracy is ``1 - BASE_ERROR / samples^exponent``."""
+    if scene.flat:
+        return LevelChoices(scene, costs, exponent)
+    return _Fronts(scene, costs, exponent)
+
+
+class LevelChoices:
+    """Levels of flat scenes, as tables of one row a type."""
+
+    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+        levels = scene.types.levels
+        self._costs = costs
+        self._continuous = levels.continuous
+        kinds, width = len(levels.level_count), int(levels.level_count.max())
+        rows = levels.start[:-1, None] + np.arange(width)
+        real = np.arange(width) < levels.level_count[:, None]
+        rows = np.minimum(rows, levels.start[1:, None] - 1)
+        linear, geometry = costs.level_ms(levels)
+        self._linear_ms = np.where(real, linear[rows], np.inf)
+        self._geometry_ms = geometry[rows]
+        self._samples = level_primitives(levels)[rows]
+        self._accuracy = _accuracy(self._samples, exponent)
+        self._resolution = levels.resolution[rows]
+        assert self._linear_ms.shape == (kinds, width)
+
+    def offer(self, view: View, weight: Weight) -> Offer:
+        """Return the levels of a view's candidates."""
+        kind = view.type_index
+        cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], view)
+        size = view.area_px * weight(view)
+        benefit = size[:, None] * self._accuracy[kind]
+        fixed_ms = _fixed_ms(self._costs, view)
+        return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
+
+    def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
+        """Return details that lie a share of the way from a column to the next finer one, (n,)."""
+        kind = view.type_index
+        low = self._resolution[kind, column]
+        high = self._resolution[kind, np.maximum(column - 1, 0)]
+        level = column.astype(np.float64)
+        return np.where(self._continuous[kind], low + share * (high - low), level)
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen columns of the kept rows."""
+        detail = self.between(view, column, np.zeros(len(column)))
+        return (view.ids, detail) if keep.all() else (view.ids[keep], detail[keep])
+
+
+class _Fronts:
+    """Fronts of uniform depth below each root: column c is the front c levels above the deepest.
+
+    Columns behind a root's coarsest front are that front at coarser knots.
+    """
+
+    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+        self._scene, self._costs = scene, costs
+        tree, levels = Tree(scene), scene.types.levels
+        self._linear_ms, self._geometry_ms = costs.level_ms(levels)
+        self._accuracy = _accuracy(level_primitives(levels), exponent)
+        self._first_row = levels.start[:-1][scene.type_index]
+        self._solid = tree.leaf | (tree.primitives > 0.0)
+        root, depth = np.arange(len(scene)), np.zeros(len(scene), dtype=np.int32)
+        for layer in range(1, int(tree.depth.max()) + 1):
+            nodes = np.flatnonzero(tree.depth == layer)
+            above = scene.parent[nodes]
+            root[nodes], depth[nodes] = root[above], depth[above] + self._solid[above]
+        self._root, self._depth = root, depth
+        # A node is in the front of depth d if it lies there, or above it and nothing replaces it.
+        self._stays = tree.leaf | scene.additive
+        self._knots = np.where(scene.continuous & (depth == 0), scene.level_count, 1)
+        self._deepest, self._coarser = np.zeros_like(depth), np.zeros_like(depth)
+        np.maximum.at(self._deepest, root[self._solid], depth[self._solid])
+        np.maximum.at(self._coarser, root[self._solid], self._knots[self._solid] - 1)
+        self._width = int((self._deepest + self._coarser).max()) + 1
+
+    def offer(self, view: View, weight: Weight) -> Offer:
+        """Return the fronts below a view's roots, over their nodes in the frustum."""
+        n, width = len(view.ids), self._width
+        row_of = np.full(len(self._scene), -1, dtype=np.int32)
+        row_of[view.ids] = np.arange(n)
+        nodes = np.flatnonzero(view.state.inside & (row_of[self._root] >= 0) & self._solid)
+        seen = view.at(nodes)
+        node_size = seen.area_px * weight(seen)
+        row = row_of[self._root[nodes]]
+        cost_ms, benefit = np.full((n, width), np.inf), np.zeros((n, width))
+        deepest, coarser = self._deepest[view.ids], self._coarser[view.ids]
+        for depth in range(-int(self._coarser.max()), int(self._deepest.max()) + 1):
+            level = self._level_row(nodes, depth)
+            node_ms = self._costs.object_ms(self._linear_ms[level], self._geometry_ms[level], seen)
+            member = self._member(nodes, max(depth, 0))
+            has = (depth <= deepest) & (-depth <= coarser)
+            total = np.bincount(row[member], node_ms[member], minlength=n)
+            gain = (node_size * self._accuracy[level])[member]
+            cost_ms[has, deepest[has] - depth] = total[has]
+            benefit[has, deepest[has] - depth] = np.bincount(row[member], gain, minlength=n)[has]
+        size = view.area_px * weight(view)
+        fixed_ms = _fixed_ms(self._costs, view)
+        return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
+
+    def _level_row(self, nodes: IntArray, depth: int | IntArray) -> IntArray:
+        """Return the row of each node's level: coarser knots where the depth is negative."""
+        return self._first_row[nodes] + np.clip(-depth, 0, self._knots[nodes] - 1)
+
+    def _member(self, nodes: IntArray, depth: int | IntArray) -> BoolArray:
+        at = self._depth[nodes]
+        return self._solid[nodes] & ((at == depth) | ((at < depth) & self._stays[nodes]))
+
+    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
+        """Return ids and detail of the chosen fronts of the kept roots."""
+        scene = self._scene
+        depth = np.zeros(len(scene), dtype=np.int32)
+        kept = np.zeros(len(scene), dtype=np.bool_)
+        depth[view.ids], kept[view.ids] = self._deepest[view.ids] - column, keep
+        wanted = depth[self._root]
+        nodes = np.arange(len(scene), dtype=np.int32)
+        ids = nodes[kept[self._root] & self._member(nodes, np.maximum(wanted, 0))]
+        resolution = scene.types.levels.resolution[self._level_row(ids, wanted[ids])]
+        return ids, np.where(scene.continuous[ids], resolution, 0.0)
+
+
+def _fixed_ms(costs: CostModel, view: View) -> float:
+    fixed_ms = costs.base_ms
+    fixed_ms += view.camera.viewport_px * float(costs.linear_ms[FRAMEBUFFER_PIXELS])
+    change_ms = float(costs.linear_ms[STATE_CHANGES])
+    if change_ms:
+        # In a hierarchy every node may be of a type of its own, and which are drawn is open.
+        types = view.type_index if view.scene.flat else view.scene.type_index[view.state.inside]
+        fixed_ms += change_ms * len(np.unique(types))
+    return fixed_ms
+
+
+def _accuracy(samples: FloatArray, exponent: float) -> FloatArray:
+    return 1.0 - BASE_ERROR / np.maximum(samples, 1.0) ** exponent

@@ -1,0 +1,46 @@
+"""Levels by their error on the screen."""
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...models.scene.scene import Scene
+from ..selection import Selection, Work
+from ..view import View
+from .discretise import detail_of_level, level_of_detail
+
+
+class ErrorLadder:
+    """Errors of all types' levels, padded to one width."""
+
+    __slots__ = ("_error_m", "_levels", "_scale")
+
+    def __init__(self, scene: Scene) -> None:
+        levels = scene.types.levels
+        width = np.arange(int(levels.level_count.max()))
+        row = np.minimum(levels.start[:-1, None] + width, levels.start[1:, None] - 1)
+        real = width < levels.level_count[:, None]
+        self._error_m = np.where(real, levels.error_m[row], np.inf)
+        self._levels, self._scale = levels, scene.scale
+
+    def select(self, view: View, threshold_px: float, hysteresis: float) -> Selection:
+        """Return the coarsest level (or knot) of every candidate with at most this error in px.
+
+        The error is that at the nearest point of the bounding sphere; where even the finest level
+        is worse, that one is drawn.  A level coarser than the last one needs an error smaller than
+        the threshold by the hysteresis share.
+        """
+        allowed_m = view.nearest_m / (view.camera.focal_px * self._scale[view.ids])
+        allowed_m *= threshold_px
+        level = self._coarsest(view, allowed_m)
+        if hysteresis:
+            before = level_of_detail(self._levels, view.type_index, view.previous_detail)
+            late = self._coarsest(view, allowed_m * (1.0 - hysteresis))
+            # Coarser only as far as the margin allows too; a comparison with NaN is false.
+            hold = level > before
+            level[hold] = np.maximum(late, before)[hold]
+        detail = detail_of_level(self._levels, view.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
+
+    def _coarsest(self, view: View, allowed_m: FloatArray) -> FloatArray:
+        good = self._error_m[view.type_index] <= allowed_m[:, None]
+        return np.maximum(np.count_nonzero(good, axis=1) - 1.0, 0.0)

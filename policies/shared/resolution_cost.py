@@ -1,0 +1,216 @@
+"""What a frame costs as a function of the resolution of each node, for policies that allocate.
+
+Between two knots of a level table every count is linear in the resolution r, so the cost model
+makes of a type ``linear(r) + max(geometry(r), pixel side)``.  Where the costs of all knots lie on
+a line, as with one draw call and so much a triangle, fixed and proportional parts are exact; where
+they do not (vertices that fall slower than triangles), the lowest line of the chord's slope that is
+nowhere below them stands for them, so that what is predicted from it is never too little.  The cost
+of rasterized triangles is concave in r, and a tangent stands for it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import FloatArray, IntArray
+from ...base.errors import InputError
+from ...base.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
+from ...models.scene.levels import LevelTable
+from ...models.scene.scene import Scene
+from ..selection import Selection, Work
+from ..view import View
+from .discretise import nearest_level
+
+_LEAST_RESOLUTION = 1e-9
+"""Stands for 0, which is no resolution, where the coarsest level of a type is empty."""
+
+_KEPT_BACK = 1e-9
+"""Share of the budget that is left to rounding, so that a prediction never exceeds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class ResolutionProblem:
+    """Σ cost · x <= budget over pieces of resolution.
+
+    The first m pieces are the candidates.  A candidate whose cost rises slowly at first, while its
+    pixels hide its geometry, and faster from a kink on, has its first stretch as a second piece:
+    as the slopes rise, the optimum fills the second piece before it begins the first.
+
+    Attributes
+    ----------
+    budget_ms : float
+        What is left for the pieces; infinite where everything in full is known to fit.
+    cost, low, high : (m + e,) float64
+        Milliseconds per unit of resolution, and bounds.
+    second : (e,) int
+        Candidates with a second piece.
+    """
+
+    budget_ms: float
+    cost: FloatArray
+    low: FloatArray
+    high: FloatArray
+    second: IntArray
+
+    def pieces(self, values: FloatArray) -> FloatArray:
+        """Return values of candidates for every piece, (m + e,)."""
+        return np.concatenate((values, values[self.second])) if len(self.second) else values
+
+    def resolution(self, x: FloatArray) -> FloatArray:
+        """Return the resolution of each candidate from x of each piece, (m,)."""
+        if not len(self.second):
+            return x
+        count = len(x) - len(self.second)
+        resolution = x[:count].copy()
+        resolution[self.second] += x[count:] - self.low[self.second]
+        return resolution
+
+
+class ResolutionCosts:
+    """The cost model of a scene as lines over resolution, one of each kind a type."""
+
+    def __init__(self, scene: Scene, policy: str) -> None:
+        """Raise InputError if the scene has no cost model; `policy` is named in the message."""
+        if scene.costs is None:
+            raise InputError(
+                f"{policy}: expected a scene with a cost model, got none; bind one with with_costs"
+            )
+        levels = self._levels = scene.types.levels
+        self._costs = scene.costs
+        self._linear, self._geometry = scene.costs.level_ms(levels)
+        self._linear_line = _line_above(levels, self._linear)
+        self._geometry_line = _line_above(levels, self._geometry[:, 0])
+        self._full = self._geometry[levels.start[:-1], 1]
+        self._exact = self._linear_line.exact and self._geometry_line.exact
+        self._exact &= scene.costs.rasterized_ms == 0.0
+        self._low = np.maximum(levels.min_resolution, _LEAST_RESOLUTION)
+
+    def frame_ms(self, view: View) -> float:
+        """Return what a frame costs before its first object; every candidate's type is drawn."""
+        costs, types = self._costs, np.bincount(view.type_index, minlength=1)
+        ms = costs.base_ms + float(costs.linear_ms[FRAMEBUFFER_PIXELS]) * view.camera.viewport_px
+        return ms + float(costs.linear_ms[STATE_CHANGES]) * int(np.count_nonzero(types))
+
+    def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
+        """Return the allocation problem of a frame."""
+        fixed, slow, cost, low = self.stretches(view)
+        bottom = self.lowest(view)
+        second = np.flatnonzero((cost > slow) & (low > bottom) & (slow > 0.0))
+        left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.frame_ms(view)
+        left_ms -= float(fixed.sum()) - float(slow[second] @ low[second])
+        if not self._exact and self.predict_ms(view, self.finest(view)) <= budget_ms:
+            left_ms = np.inf
+        high = np.ones(len(cost))
+        if len(second):
+            high = np.concatenate((high, low[second]))
+            cost = np.concatenate((cost, slow[second]))
+            low = np.concatenate((low, bottom[second]))
+        return ResolutionProblem(left_ms, cost, low, high, second)
+
+    def stretches(self, view: View) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return fixed cost, slope before the kink, slope after it, and where the latter begins.
+
+        Before the kink the pixel side is the larger and only what is linear rises.  Where nothing
+        rises less detail saves nothing, and the stretch that matters begins at its end: the paper's
+        pixel bound.  From there on a candidate costs fixed + slope · r, all (m,).
+        """
+        kind, costs = view.type_index, self._costs
+        pixel_ms = float(costs.roofline_ms[SHADED_SAMPLES]) * view.area_px
+        slow, fast = self._linear_line.slope[kind], self._geometry_line.slope[kind]
+        under = self._geometry_line.start[kind]
+        kink = np.divide(pixel_ms - under, fast, out=np.full(len(kind), np.inf), where=fast > 0.0)
+        bent = kink < 1.0
+        hidden = np.where(bent, under, np.maximum(under, pixel_ms))
+        hidden += float(costs.linear_ms[SHADED_SAMPLES]) * view.area_px
+        bottom = self.lowest(view)
+        if costs.rasterized_ms:
+            start, rise = self._tangent(view, bottom)
+            hidden, slow = hidden + start, slow + rise
+        cost = slow + np.where(bent, fast, 0.0)
+        low = np.where(bent, np.maximum(kink, bottom), np.where(cost > 0.0, bottom, 1.0))
+        return self._linear_line.start[kind] + hidden, slow, cost, low
+
+    def _tangent(self, view: View, bottom: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return start and slope of a line above the cost of rasterized triangles, both (m,).
+
+        Their number is concave in the number of triangles, so that every tangent lies above it.
+        This one touches where a triangle is as large as a sample.  Triangles go with the
+        resolution, but in a type that has splats too, whose line may lie lower.
+        """
+        triangles = self._full[view.type_index] * view.inside_share
+        samples = view.covered_px
+        at = np.clip(samples / np.maximum(triangles, 1.0), bottom, 1.0)
+        share = samples / np.maximum(at * triangles, 1e-9)
+        reached = -np.expm1(-share)
+        slope = triangles * (reached - share * np.exp(-share))
+        start = at * (triangles * reached - slope)
+        ms = self._costs.rasterized_ms
+        return ms * start, ms * slope
+
+    def predict_ms(self, view: View, detail: FloatArray) -> float:
+        """Return the frame's GPU time with the candidates at these details, exactly."""
+        row, fraction = self._levels.position(view.type_index, detail)
+        linear = self._levels.interpolate(self._linear, row, fraction)
+        geometry = self._levels.interpolate(self._geometry, row, fraction)
+        objects_ms = self._costs.object_ms(linear, geometry, view)
+        return self.frame_ms(view) + float(objects_ms.sum())
+
+    def detail(self, view: View, resolution: FloatArray) -> FloatArray:
+        """Return resolutions of continuous types, and the nearest level not above of others."""
+        soft = self._levels.continuous[view.type_index]
+        if soft.all():
+            return resolution
+        level = nearest_level(self._levels, view.type_index, resolution)
+        return np.where(soft, resolution, level)
+
+    def resolution(self, view: View, detail: FloatArray) -> FloatArray:
+        """Return the resolution that each candidate has at a detail, (m,)."""
+        row, _ = self._levels.position(view.type_index, detail)
+        soft = self._levels.continuous[view.type_index]
+        return np.where(soft, detail, self._levels.resolution[row])
+
+    def finest(self, view: View) -> FloatArray:
+        """Return every candidate in full detail, (m,)."""
+        return self._levels.continuous[view.type_index].astype(np.float64)
+
+    def lowest(self, view: View) -> FloatArray:
+        """Return the resolution of every candidate at its coarsest, (m,)."""
+        return self._low[view.type_index]
+
+    def selection(
+        self, view: View, resolution: FloatArray, budget_ms: float, work: Work
+    ) -> Selection:
+        """Return the selection of these resolutions and its predicted time.
+
+        Where lines stand above a type's cost, resolutions found by them may miss that the coarsest
+        fits while they do not; then the coarsest is drawn.
+        """
+        detail = self.detail(view, resolution)
+        predicted_ms = self.predict_ms(view, detail)
+        if predicted_ms > budget_ms and not self._exact:
+            coarsest = self.detail(view, self.lowest(view))
+            least_ms = self.predict_ms(view, coarsest)
+            if least_ms <= budget_ms:
+                detail, predicted_ms = coarsest, least_ms
+        return Selection(view.ids, detail, work, predicted_ms=predicted_ms)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """``start + slope · r`` of each type, and whether the costs of all knots lie on it."""
+
+    start: FloatArray
+    slope: FloatArray
+    exact: bool
+
+
+def _line_above(levels: LevelTable, column: FloatArray) -> _Line:
+    """Return for each type the lowest line of its chord's slope (not falling) above all knots."""
+    first, last = levels.start[:-1], levels.start[1:] - 1
+    rise = np.maximum(column[first] - column[last], 0.0)
+    width = 1.0 - levels.resolution[last]
+    slope = np.divide(rise, width, out=np.zeros(len(first)), where=width > 0.0)
+    gap = column - slope[levels.type_of_level] * levels.resolution
+    start = np.maximum.reduceat(gap, first)
+    exact = np.allclose(gap, start[levels.type_of_level], rtol=0.0, atol=1e-12 * column.max())
+    return _Line(start, slope, exact)

@@ -1,0 +1,171 @@
+"""The smooth half of a mixed scene: which groups are drawn in a frame, and what they share."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.predictors import LEVEL_PREDICTORS
+from ...models.scene.benefit import level_primitives
+from ...models.scene.scene import Scene
+from ...models.scene.tree import Tree
+from ..solvers.admission import admit
+from ..solvers.variable_splitting import LeafTree, Splitting, split_variables
+from ..view import View
+from .resolution_cost import ResolutionCosts
+
+_SPLATS = LEVEL_PREDICTORS.index("splats")
+_DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
+_K = 1.0 / 16.0  # the paper's weight of vegetation against terrain
+_TREES = 64.0  # the paper's largest group
+_LEAST_WEIGHT = 1e-12  # of the greatest; so that what is worth nothing is raised last, not never
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Smooth variables of one frame, in milliseconds beyond what drawing them at all costs.
+
+    Attributes
+    ----------
+    ids : (u,) int32
+        Groups drawn.
+    setup_ms : float
+        What they cost whatever their resolution.
+    floor : (u,) float64
+        The resolution that a group has at least.
+    weight, low, high : (V,) float64
+        Variables: factor of the root of the cost, and bounds of the cost.
+    owner : (u,) int
+        Variable of each group.
+    splitting : Splitting
+    visited, comparisons : int
+    """
+
+    ids: IntArray
+    setup_ms: float
+    floor: FloatArray
+    weight: FloatArray
+    low: FloatArray
+    high: FloatArray
+    owner: IntArray
+    splitting: Splitting
+    visited: int
+    comparisons: int
+
+    def resolution(self, x: FloatArray) -> FloatArray:
+        """Return the resolution of each group from the cost of each variable, (u,)."""
+        share = np.divide(x, self.high, out=np.ones(len(x)), where=self.high > 0.0)
+        return np.clip(share[self.owner], self.floor, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Groups:
+    """Continuous leaves below nothing but nodes without geometry, derived once a replay.
+
+    Benefit is ``k S² (N / 64) sqrt(x / N · N_splats)``, ``x / N`` the resolution of each of N
+    trees, one a draw call.  S is the extent on the screen, S² the projected area: only then is the
+    sum over a node's groups bounded by the node's own, as Appendix A has it.
+    """
+
+    scene: Scene
+    tree: Tree
+    costs: ResolutionCosts
+    member: BoolArray
+    _leaves: LeafTree = field(init=False)
+    _factor: FloatArray = field(init=False)
+    _floor: FloatArray = field(init=False)
+    _root: IntArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        levels, put = self.scene.types.levels, object.__setattr__
+        finest = levels.counts[levels.start[:-1]]
+        trees = np.maximum(finest[:, _DRAW_CALLS], 1.0)
+        primitives = level_primitives(levels)[levels.start[:-1]]
+        splats = finest[:, _SPLATS]
+        # A type without splats has no floor of its own and may not be left out.
+        floor = np.divide(trees, splats, out=np.zeros(len(splats)), where=splats > 0.0)
+        leaves = LeafTree(self.scene, self.tree, self.member)
+        put(self, "_leaves", leaves)
+        put(self, "_factor", _K / _TREES * np.sqrt(trees * primitives))
+        put(self, "_floor", np.minimum(floor, 1.0))
+        root = leaves.leaves.copy()
+        while (below := self.scene.parent[root] >= 0).any():
+            root[below] = self.scene.parent[root[below]]
+        put(self, "_root", root)
+
+    def seen(self, view: View) -> tuple[BoolArray, View]:
+        """Return which leaves are in view, (U,), and the view of them."""
+        live = np.zeros(len(self.scene), dtype=np.bool_)
+        live[view.ids] = True
+        leaves = self._leaves.leaves
+        inside = view.state.inside[leaves] & live[self._root]
+        return inside, view.at(leaves[inside])
+
+    def optional(self, seen: View) -> BoolArray:
+        """Return which nodes may be left out: groups of splats, (m,)."""
+        return self._floor[seen.type_index] > 0.0
+
+    def plan(
+        self,
+        inside: BoolArray,
+        seen: View,
+        budget_ms: float,
+        cull_px: float,
+        epsilon: float | None,
+    ) -> Plan | None:
+        """Return the variables of a frame, or None if the budget does not pay for their lowest.
+
+        Groups whose extent is below `cull_px` are not drawn.  With `epsilon` the groups of a node
+        may share a variable; it is a share of the greatest benefit that the budget can buy.
+        """
+        kind = seen.type_index
+        optional = self.optional(seen)
+        setup, _, full, floor = self.costs.stretches(seen)
+        floor = np.minimum(np.maximum(floor, self._floor[kind]), 1.0)
+        value = self._factor[kind] * seen.area_px * self.scene.importance[seen.ids]
+        value = np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
+        weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
+        large = ~optional | (seen.area_px >= cull_px * cull_px)
+        at = np.flatnonzero(large)
+        low = full * floor
+        admission = admit(setup[at], low[at], full[at], weight[at], optional[at], budget_ms)
+        if admission is None:
+            return None
+        at = at[admission.drawn]
+        low, full, floor, weight = low[at], full[at], floor[at], weight[at]
+        splitting = _apart(len(at))
+        if epsilon is not None and not self.scene.flat:
+            drawn = np.zeros(len(inside), dtype=np.bool_)
+            drawn[np.flatnonzero(inside)[at]] = True
+            share = np.clip(admission.scale * np.square(weight), low, full)
+            lose = epsilon * float((weight * np.sqrt(share)).sum())
+            splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
+        return Plan(
+            seen.ids[at],
+            float(setup[at].sum()),
+            floor,
+            *_variables(splitting.start, weight, floor, full),
+            splitting,
+            len(seen) + splitting.visited,
+            admission.comparisons,
+        )
+
+
+def _apart(count: int) -> Splitting:
+    """Return a variable for each leaf."""
+    return Splitting(np.arange(count), 0.0, 0.0, 0)
+
+
+def _variables(
+    start: IntArray, weight: FloatArray, floor: FloatArray, full: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Return weight, least and greatest cost of variables over groups, and the variable of each."""
+    owner = np.zeros(len(weight), dtype=np.int64)
+    owner[start] = 1
+    owner = np.cumsum(owner) - 1
+    if len(start) == len(weight):
+        return weight, full * floor, full, owner
+    high = np.add.reduceat(full, start)
+    value = np.add.reduceat(weight * np.sqrt(full), start)
+    shared = np.divide(value, np.sqrt(high), out=np.zeros(len(high)), where=high > 0.0)
+    return shared, np.maximum.reduceat(floor, start) * high, high, owner

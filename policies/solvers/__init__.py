@@ -1,0 +1,1 @@
+"""Optimisers that policies share a budget with."""

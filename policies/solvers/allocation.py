@@ -1,0 +1,190 @@
+"""Separable concave allocation: share a budget so that value gained per cost is equal everywhere.
+
+The one problem behind four papers: choose ``x`` in ``[low, high]`` with ``Σ cost · x <= budget`` so
+that the marginal value ``weight · x^-power`` per cost is equal wherever no bound holds, that is
+``x(λ) = clip((weight / (λ cost))^(1 / power), low, high)``.
+
+- Gobbetti-Bouvier's degradation ``Σ a r^-m``: weight ``m a``, power ``m + 1``.
+- Wimmer-Schmalstieg: the same without bounds.
+- Peng's share ``A^(1/α)``: without bounds, power ``α = m + 1``.
+- Zach's smooth half ``Σ c sqrt(x)``: weight ``c / 2``, power 1/2.
+
+With ``s = λ^(-1/power)`` and ``t = (weight / cost)^(1 / power)`` an x is ``clip(s t, low, high)``,
+so what is spent is piecewise linear in s.  Newton's method on it ends after a few passes, and
+exactly: once no x passes a bound during a step, the step leads to the solution.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+
+_PLAIN_PASSES = 16
+"""Passes after which every other one halves the bracket, so that no input can stall Newton."""
+
+
+@dataclass(frozen=True, slots=True)
+class Allocation:
+    """Shares of a budget.
+
+    Attributes
+    ----------
+    x : (n,) float64
+    multiplier : float
+        λ, the value per cost of the last unit spent: 0 where the budget pays for everything,
+        infinite where it does not even pay for `low`.
+    feasible : bool
+        Whether the budget pays for `low`; if not, x is `low`.
+    converged : bool
+        Whether x is the optimum, or the feasible point at which the solver had to stop.
+    iterations, comparisons : passes over all x, and comparisons made in them
+    at_low, at_high : (n,) bool
+        Which bounds hold.
+    """
+
+    x: FloatArray
+    multiplier: float
+    feasible: bool
+    converged: bool
+    iterations: int
+    comparisons: int
+    at_low: BoolArray
+    at_high: BoolArray
+
+
+def allocate(
+    weight: FloatArray,
+    cost: FloatArray,
+    budget: float,
+    *,
+    power: float,
+    low: FloatArray | float = 0.0,
+    high: FloatArray | float = math.inf,
+) -> Allocation:
+    """Return the optimal shares by a safeguarded Newton iteration on the multiplier.
+
+    `weight` and `cost` are (n,), not negative; `low` and `high` scalars or (n,) with
+    ``0 <= low <= high``, `high` finite where the cost is 0.  What costs nothing is at `high`; what
+    weighs nothing is at `low` unless everything can be at `high`.
+    """
+    low, high = as_bounds(low, high, len(cost))
+    early = settle(weight, cost, budget, power=power, low=low, high=high)
+    if early is not None:
+        return early
+    return _iterate(unit_share(weight, cost, power), cost, budget, power, low, high)
+
+
+def _iterate(
+    share: FloatArray,
+    cost: FloatArray,
+    budget: float,
+    power: float,
+    low: FloatArray,
+    high: FloatArray,
+) -> Allocation:
+    paid = np.multiply(cost, share, out=np.zeros(len(cost)), where=cost > 0.0)
+    scale, below, above = budget / float(paid.sum()), 0.0, math.inf
+    was_low = was_high = np.zeros(len(cost), dtype=np.bool_)
+    newton = True  # the first scale is the step with no bound held
+    iterations = 0
+    while True:
+        iterations += 1
+        x = np.minimum(np.maximum(scale * share, low), high)
+        at_low, at_high = x <= low, x >= high
+        gap = budget - float(cost @ x)
+        same = np.array_equal(at_low, was_low) and np.array_equal(at_high, was_high)
+        if gap == 0.0 or (newton and same):
+            break
+        below, above = (scale, above) if gap > 0.0 else (below, scale)
+        slope = float(paid @ ~(at_low | at_high))
+        following = scale + gap / slope if slope > 0.0 else scale
+        newton = below < following < above and (iterations <= _PLAIN_PASSES or iterations % 2 == 1)
+        if not newton and (slope == 0.0 or following != scale):
+            following = _halve(below, above)
+        if following in {scale, below, above}:
+            break
+        scale, was_low, was_high = following, at_low, at_high
+    comparisons = 2 * len(cost) * iterations
+    return Allocation(x, scale**-power, True, True, iterations, comparisons, at_low, at_high)
+
+
+def _halve(below: float, above: float) -> float:
+    """Return the middle of a bracket on a logarithmic scale; a step out where it has no end yet."""
+    if above == math.inf:
+        return 4.0 * below
+    return math.sqrt(below) * math.sqrt(above) if below > 0.0 else 0.25 * above
+
+
+def as_bounds(
+    low: FloatArray | float, high: FloatArray | float, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return both bounds as arrays, (n,)."""
+    return np.broadcast_to(low, count), np.broadcast_to(high, count)
+
+
+def unit_share(weight: FloatArray, cost: FloatArray, power: float) -> FloatArray:
+    """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is to be paid."""
+    ratio = np.divide(weight, cost, out=np.full(len(cost), np.inf), where=cost > 0.0)
+    if power == 2.0:
+        return np.sqrt(ratio, out=ratio)
+    if power == 3.0:
+        return np.cbrt(ratio, out=ratio)
+    return np.power(ratio, 1.0 / power, out=ratio)
+
+
+def settle(
+    weight: FloatArray,
+    cost: FloatArray,
+    budget: float,
+    *,
+    power: float,
+    low: FloatArray,
+    high: FloatArray,
+) -> Allocation | None:
+    """Return the shares where the budget leaves no choice, all at `high` or all at `low`."""
+    count = len(cost)
+    top = high
+    for _ in range(2):  # everything in full, else everything that is worth something
+        if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
+            feasible = count > 0 or budget >= 0.0
+            flags = top <= low, top >= high
+            return Allocation(top.copy(), 0.0, feasible, True, 1, count, *flags)
+        top = np.where(weight > 0.0, high, low)
+    floor = float(cost @ low)
+    if floor < budget:
+        return None
+    multiplier = math.inf
+    if floor == budget and low.min() > 0.0:
+        multiplier = float((unit_share(weight, cost, power) / low).max()) ** power
+    flags = low <= low, low >= high  # noqa: PLR0124 - at its lower bound is everything
+    return Allocation(low.copy(), multiplier, floor <= budget, True, 1, count, *flags)
+
+
+def kkt_residual(
+    result: Allocation,
+    weight: FloatArray,
+    cost: FloatArray,
+    budget: float,
+    *,
+    power: float,
+    low: FloatArray | float = 0.0,
+    high: FloatArray | float = math.inf,
+) -> float:
+    """Return the largest relative violation of the optimality conditions; 0 at the optimum.
+
+    Conditions (Karush-Kuhn-Tucker): no bound is broken, the budget is spent or everything is at
+    `high`, and value per cost is λ between the bounds, at most λ at `low`, at least λ at `high`.
+    """
+    x, multiplier = result.x, result.multiplier
+    low, high = as_bounds(low, high, len(x))
+    spent = float(cost @ x)
+    outside = float(np.maximum(np.maximum(low - x, x - high), 0.0).max(initial=0.0))
+    if multiplier == 0.0:
+        short = bool((x < high)[weight > 0.0].any())
+        return max(outside, spent / budget - 1.0, math.inf if short else 0.0)
+    ratio = weight * x**-power / (multiplier * cost)
+    may_rise = np.where(x < high, ratio - 1.0, 0.0)
+    may_fall = np.where(x > low, 1.0 - ratio, 0.0)
+    return max(outside, abs(spent / budget - 1.0), float(np.maximum(may_rise, may_fall).max()))

@@ -1,0 +1,34 @@
+"""Discrete increments and smooth variables, raised in turn within one budget.
+
+This work is based on: Zach, Mantler and Karner, "Time-critical rendering of discrete and continuous
+levels of detail", VRST 2002, section 3.4.
+"""
+
+from .increment_forest import SAME_SLOPE, IncrementForest
+from .smooth_ascent import Ascent
+
+_NOTHING = 1e-10  # of the budget: less than this is not worth a step
+
+
+def raise_in_turn(
+    discrete: IncrementForest, smooth: Ascent, budget: float, max_steps: int
+) -> tuple[float, int]:
+    """Raise whichever has the higher benefit per cost until nothing fits; return cost and steps.
+
+    A step is a run of increments better than the smooth variables' slope, or one line search to
+    where that slope falls to the increments'.  Whatever step is the last, the budget holds.
+    """
+    left, steps, exhausted = budget, 0, False
+    while left > _NOTHING * budget and steps < max_steps:
+        slope_d = discrete.slope(left)
+        slope_c = 0.0 if exhausted else smooth.slope()
+        if slope_d <= 0.0 and slope_c <= 0.0:
+            break
+        steps += 1
+        if slope_d >= slope_c * SAME_SLOPE:
+            left -= discrete.take(slope_c, left)
+        else:
+            spent = smooth.raise_to(*discrete.ahead(left))
+            exhausted = spent <= 0.0
+            left -= spent
+    return budget - left, steps

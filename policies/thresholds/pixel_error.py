@@ -1,0 +1,59 @@
+"""``pixel-error``: coarsest level whose error on the screen is below a threshold."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection
+from ..shared.error_ladder import ErrorLadder
+from ..view import View
+
+
+@dataclass(slots=True)
+class PixelError:
+    """Idea: draw the coarsest level whose geometric error is at most `threshold_px` on the screen.
+
+    Error on the screen is ``error · scale · focal length / distance``, the distance to the nearest
+    point of the bounding sphere and never below the near plane.  A node goes to a finer level as
+    soon as its error passes the threshold, and back to a coarser one only where that one's error is
+    below the threshold by the `hysteresis` share.  Levels of continuous types are their knots.
+
+    Uses: errors of levels, distance, field of view.
+
+    Parameters: as below.
+
+    Cost per frame: O(n L), one visit an object.
+
+    Reference: Godot's mesh LOD (``mesh_lod/lod_change/threshold_pixels``) and meshoptimizer's
+    advice for its error metric; Cesium's screen-space error is the same formula with a threshold
+    of 16 px.
+    """
+
+    threshold_px: float = 1.0  # Godot's and meshoptimizer's
+    hysteresis: float = 0.0  # share of the threshold by which to coarsen late; no engine has any
+    _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters and tabulate the errors."""
+        if not (0 < self.threshold_px < np.inf and 0 <= self.hysteresis < 1):
+            raise InputError(
+                "pixel-error: expected threshold_px > 0 and hysteresis in [0, 1), got "
+                f"{self.threshold_px:g} and {self.hysteresis:g}"
+            )
+        self._ladder = ErrorLadder(scene)
+
+    def select(self, view: View) -> Selection:
+        """Return a level for every candidate."""
+        assert self._ladder is not None, "reset comes before select"
+        return self._ladder.select(view, self.threshold_px, self.hysteresis)

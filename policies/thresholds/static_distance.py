@@ -1,0 +1,94 @@
+"""``static-distance``: level from distance alone."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.discretise import detail_of_level, level_of_detail
+from ..view import View
+
+
+def distance_range(scene: Scene, near_m: float | None, far_m: float | None) -> tuple[float, float]:
+    """Return the given distances, or for None 1 % and 50 % of the scene's extent."""
+    extent_m = float(np.ptp(scene.center_m, axis=0).max()) + 2.0 * float(scene.radius_m.max())
+    return (
+        0.01 * extent_m if near_m is None else near_m,
+        0.5 * extent_m if far_m is None else far_m,
+    )
+
+
+@dataclass(slots=True)
+class StaticDistance:
+    """Idea: ``lod = clamp(1 - (d - near) / (far - near), 0, 1)``, spread evenly over the levels.
+
+    A node returns to a finer level only when it is nearer than that level's threshold by the
+    hysteresis share, as in three.js: up at 50 m, back at 45 m with 0.1.  Levels of continuous
+    types are their knots.
+
+    Uses: distance to the bounding sphere's centre.
+
+    Parameters: `near_m` (finest level up to here), `far_m` (coarsest from here), `hysteresis`.
+
+    Cost per frame: O(n), one visit an object.
+
+    Reference: Gumbau et al., LODManager, section 4.2 (printed without the ``1 -``); hysteresis as
+    in three.js's LOD object, default 0 there.
+    """
+
+    near_m: float | None = None  # None: 1 % of the scene's extent
+    far_m: float | None = None  # None: 50 % of the scene's extent
+    hysteresis: float = 0.0  # share of a threshold by which to return late; three.js: 0
+    _near_m: float = field(init=False, repr=False, compare=False, default=0.0)
+    _per_m: float = field(init=False, repr=False, compare=False, default=0.0)
+    _count: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
+    )
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Resolve distances that depend on the scene."""
+        near_m, far_m = distance_range(scene, self.near_m, self.far_m)
+        if not (0.0 <= near_m < far_m and 0.0 <= self.hysteresis < 1.0):
+            raise InputError(
+                "static-distance: expected 0 <= near_m < far_m and hysteresis in [0, 1), got "
+                f"{near_m:g}, {far_m:g} and {self.hysteresis:g}"
+            )
+        self._near_m = near_m
+        self._per_m = 1.0 / (far_m - near_m)
+        self._count = scene.types.levels.level_count.astype(np.float64)
+
+    def select(self, view: View) -> Selection:
+        """Return a level for every candidate."""
+        count = self._count[view.type_index]
+        level = view.distance_m - self._near_m
+        level *= self._per_m
+        level *= count
+        np.floor(level, out=level)
+        count -= 1.0
+        np.minimum(np.maximum(level, 0.0, out=level), count, out=level)
+        if self.hysteresis:
+            self._hold(level, view)
+        detail = detail_of_level(view.scene.types.levels, view.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
+
+    def _hold(self, level: FloatArray, view: View) -> None:
+        """Keep the previous level where a node is only slightly nearer than its threshold."""
+        table = view.scene.types.levels
+        before = level_of_detail(table, view.type_index, view.previous_detail)
+        count = self._count[view.type_index]
+        threshold_m = self._near_m + before / (count * self._per_m)
+        near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)
+        hold = (level < before) & near  # a comparison with NaN, never drawn before, is false
+        level[hold] = before[hold]

@@ -1,0 +1,107 @@
+"""``static-screen``: level from projected height against thresholds."""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...models.scene.scene import Scene
+from ..protocol import Capabilities, Claims
+from ..selection import Selection, Work
+from ..shared.discretise import detail_of_level, level_of_detail
+from ..view import View
+
+
+def screen_height(view: View) -> FloatArray:
+    """Return each bounding sphere's diameter over the height of the screen at its distance, (m,).
+
+    Unity's ``size / (distance · 2 tan(fov / 2))`` before its LOD bias; where the vertical field of
+    view is the narrower one it is also Unreal's screen size.  The distance is at least the radius,
+    so that a sphere around the eye has a finite height.
+    """
+    camera = view.camera
+    scale = 2.0 * camera.focal_px / camera.height_px
+    return scale * view.radius_m / np.maximum(view.distance_m, view.radius_m)
+
+
+def screen_level(
+    height: FloatArray, coarsest: FloatArray, first: float, ratio: float
+) -> FloatArray:
+    """Return the level whose threshold a height still reaches: ``first · ratio^level``, (m,)."""
+    level = np.log(height / first)
+    level /= math.log(ratio)
+    np.ceil(level, out=level)
+    return np.clip(level, 0.0, coarsest, out=level)
+
+
+@dataclass(slots=True)
+class StaticScreen:
+    """Idea: level i is drawn while projected height is at least ``first · ratio^i`` of the screen.
+
+    A node goes to a coarser level at the threshold S and returns at ``S + hysteresis``, as in
+    Unreal.  Levels of continuous types are their knots.
+
+    Uses: distance and radius of the bounding sphere, field of view.
+
+    Parameters: `first` (height from which the finest level is drawn), `ratio` (of successive
+    thresholds), `bias` (multiplies heights, Unity's lodBias), `hysteresis` (of the screen height).
+
+    Cost per frame: O(n), one visit an object.
+
+    Reference: Unity's LODGroup (relative height, no hysteresis) and Unreal's static mesh screen
+    size with LODHysteresis.  Thresholds are authored per asset there; a geometric ladder is ours.
+    """
+
+    first: float = 0.25  # ours: no engine ships a value that fits every asset
+    ratio: float = 0.5  # ours: halving the height when the triangles halve or quarter
+    bias: float = 1.0  # Unity's default
+    hysteresis: float = 0.01  # ours; 0 is Unity's behaviour
+    _coarsest: FloatArray = field(
+        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
+    )
+
+    capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Check parameters and note each type's coarsest level."""
+        if not (self.first > 0 and 0 < self.ratio < 1 and self.bias > 0 and self.hysteresis >= 0):
+            raise InputError(
+                "static-screen: expected first > 0, ratio in (0, 1), bias > 0 and hysteresis >= 0, "
+                f"got {self.first:g}, {self.ratio:g}, {self.bias:g} and {self.hysteresis:g}"
+            )
+        self._coarsest = scene.types.levels.level_count.astype(np.float64) - 1.0
+
+    def select(self, view: View) -> Selection:
+        """Return a level for every candidate."""
+        return self.select_biased(view, self.bias)
+
+    def select_biased(self, view: View, bias: float) -> Selection:
+        """Return a level for every candidate under another bias than the policy's own."""
+        levels = view.scene.types.levels
+        detail = detail_of_level(levels, view.type_index, self.levels(view, bias))
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
+
+    def levels(self, view: View, bias: float) -> FloatArray:
+        """Return the level of every candidate under a bias, with hysteresis, (m,)."""
+        height = screen_height(view)
+        height *= bias
+        coarsest = self._coarsest[view.type_index]
+        level = screen_level(height, coarsest, self.first, self.ratio)
+        if self.hysteresis:
+            table = view.scene.types.levels
+            before = level_of_detail(table, view.type_index, view.previous_detail)
+            height -= self.hysteresis
+            np.maximum(height, 1e-9, out=height)
+            late = screen_level(height, coarsest, self.first, self.ratio)
+            # Finer only if it would be with the margin taken off too; NaN compares false.
+            hold = level < before
+            level[hold] = np.minimum(late, before)[hold]
+        return level

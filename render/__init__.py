@@ -1,0 +1,1 @@
+"""Frames drawn: by OpenGL, which measures them, and by numpy, as pictures."""

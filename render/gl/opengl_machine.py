@@ -1,0 +1,175 @@
+"""A machine that draws each frame and measures it, in place of the simulated one."""
+
+import gc
+from array import array
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import astuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.predictors import LEVEL_PREDICTORS
+from ...models.machine.cost import rasterized_triangles
+from ...models.scene.tree import Tree
+from ...policies.view import View
+from ...sim.simulated_machine import FrameTimes, Submitted
+from .context import Device
+from .draw_list import Counts, Frame, Picture
+from .renderer import Renderer, Timing
+from .timer_query import doubt_timer
+
+MEASURED = (
+    *Counts.__dataclass_fields__,
+    "shaded_samples",
+    "rasterized_triangles",
+    "cpu_ms",
+    "gpu_ms",
+    "frame_ms",
+    "frame_ms_low",
+    "frame_ms_high",
+)
+"""Columns of `GlMachine.rows`: counts, then medians of the repeats, then their extremes.
+
+All are the renderer's own but ``rasterized_triangles``, which no query tells: it is expected by the
+cost model of what was drawn.
+"""
+
+
+_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
+
+
+class GlMachine:
+    """Draws every frame several times and takes the median.
+
+    The time of a frame is all that it takes until OpenGL says that it is finished, charged to the
+    GPU: so a frame is one piece of work, as in a profile that was fitted to ``frame_ms``.
+
+    Parameters
+    ----------
+    repeats
+        Times that each frame is drawn; the median of five is quieter than one by half.
+    warmup
+        Times that the first frame is drawn before it counts: drivers compile then.
+    step_ms
+        Time that passes on the trace from frame to frame, instead of what the frame took.
+
+    Attributes
+    ----------
+    doubt : str or None
+        Why the timer query is not believed; None before the first frame, and if it is.
+    """
+
+    def __init__(
+        self,
+        renderer: Renderer,
+        device: Device,
+        *,
+        repeats: int = 5,
+        warmup: int = 5,
+        step_ms: float | None = None,
+    ) -> None:
+        if not 1 <= repeats <= 99:
+            raise InputError(f"--repeats: expected 1 to 99 drawings of a frame, got {repeats}")
+        self._renderer, self._device = renderer, device
+        self._repeats, self._warmup, self._step_ms = repeats, warmup, step_ms
+        self._rows = array("d")
+        self.doubt: str | None = None
+
+    def begin(self) -> None:
+        """Begin a frame; nobody can know what it will take."""
+        return
+
+    def run(self, frame: Submitted) -> FrameTimes:
+        """Draw the frame; return what it took."""
+        picture = picture_of(frame)
+        ready = self._renderer.prepare(picture)
+        if not self._rows:
+            self.doubt = doubt_timer(self._device, self._drawn(ready, max(1, self._warmup)))
+        timings = self._drawn(ready, self._repeats)
+        times = np.array([(t.cpu_ms, t.gpu_ms, t.frame_ms) for t in timings])
+        middle = np.median(times, axis=0)
+        if not 0.0 < middle[1] <= 1.05 * middle[2]:
+            middle[1] = np.nan  # no result, or a counter that ran over
+        samples = timings[-1].shaded_samples, _expected(frame, picture)
+        self._rows.extend(astuple(self._renderer.count(ready)))
+        self._rows.extend((*samples, *middle, times[:, 2].min(), times[:, 2].max()))
+        return FrameTimes(0.0, 0.0, float(middle[2]) if self._step_ms is None else self._step_ms)
+
+    def rows(self) -> dict[str, NDArray[np.float64]]:
+        """Return what was measured so far, by `MEASURED`, one value a frame.
+
+        ``gpu_ms`` is left out where the timer is in doubt.
+        """
+        table = np.frombuffer(self._rows, dtype=np.float64).reshape(-1, len(MEASURED))
+        columns = dict(zip(MEASURED, table.T, strict=True))
+        if self.doubt is not None:
+            del columns["gpu_ms"]
+        return columns
+
+    def _drawn(self, frame: Frame, count: int) -> list[Timing]:
+        with _no_collection():
+            return [self._renderer.draw(frame) for _ in range(count)]
+
+
+def _expected(frame: Submitted, picture: Picture) -> float:
+    """Return how many of the triangles drawn should reach a sample."""
+    view, scale = frame.view, frame.selection.render_scale
+    seen = view if picture.ids is view.ids else view.at(picture.ids)
+    triangles = view.scene.types.levels.counts[picture.row, _TRIANGLES]
+    covered_px = scale * scale * seen.covered_px
+    return float(rasterized_triangles(triangles, covered_px, seen.inside_share).sum())
+
+
+def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
+    """Return what a submitted frame shows: of continuous nodes, the nearest knot.
+
+    With `full` that is all candidates at their finest, at the full size of the picture.
+    """
+    view, drawn = frame.view, frame.drawn
+    if full:
+        return _full_picture(view)
+    row = drawn.row
+    if drawn.fraction is not None:
+        row = row + np.round(drawn.fraction).astype(np.int64)
+    seen = view if drawn.ids is view.ids else view.at(drawn.ids)
+    scale, camera = frame.selection.render_scale, view.camera
+    size = (max(1, round(scale * camera.width_px)), max(1, round(scale * camera.height_px)))
+    return Picture(
+        camera,
+        view.state.centers_m,
+        drawn.ids,
+        row,
+        seen.distance_m,
+        view.time_ns * 1e-9,
+        size,
+    )
+
+
+def _full_picture(view: View) -> Picture:
+    scene, camera = view.scene, view.camera
+    seen = view
+    if not scene.flat:
+        seen = view.at(np.flatnonzero(view.state.inside & Tree(scene).leaf).astype(np.int32))
+    return Picture(
+        camera,
+        view.state.centers_m,
+        seen.ids,
+        scene.types.levels.start[:-1][seen.type_index].astype(np.int64),
+        seen.distance_m,
+        view.time_ns * 1e-9,
+        (camera.width_px, camera.height_px),
+    )
+
+
+@contextmanager
+def _no_collection() -> Generator[None]:
+    """Keep Python from collecting garbage, which would be measured."""
+    before = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if before:
+            gc.enable()

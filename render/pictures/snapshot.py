@@ -1,0 +1,78 @@
+"""One frame of a replay: the camera, and what a policy draws in it."""
+
+from dataclasses import dataclass, replace
+
+from ...base.arrays import FloatArray, IntArray
+from ...base.errors import InputError
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.camera import Camera
+from ...models.scene.scene import Scene
+from ...policies.protocol import why_not_applicable
+from ...policies.registry import PolicySpec
+from ...policies.shared.observer import watch
+from ...sim.replay import ReplayOptions, replay
+from ...traces.cameras.camera_trace import CameraTrace
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """What is drawn in a frame.
+
+    Attributes
+    ----------
+    camera : Camera
+    ids : (m,) int32
+        Nodes drawn, those outside the frustum left out.
+    detail : (m,) float64
+        As in `Selection`.
+    centers_m : (3, N) float64
+        Centres of all nodes in that frame.
+    """
+
+    scene: Scene
+    label: str
+    frame: int
+    camera: Camera
+    ids: IntArray
+    detail: FloatArray
+    centers_m: FloatArray
+
+
+def take_snapshot(
+    spec: PolicySpec,
+    scene: Scene,
+    trace: CameraTrace,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    frame: int,
+) -> Snapshot:
+    """Replay up to a frame and return what the policy draws in it.
+
+    After its end a trace stays where it is.
+
+    Raises
+    ------
+    InputError
+        If the policy does not apply to the scene.
+    PolicyError
+        If the policy breaks its contract.
+    """
+    policy = spec.make()
+    reason = why_not_applicable(policy.capabilities, scene)
+    if reason is not None:
+        raise InputError(f"{spec.text}: expected a policy that fits the scene; {reason}")
+    watched = watch(policy)
+    replay(watched, scene, trace, hardware, replace(options, frames=frame + 1), name=spec.text)
+    view, selection = watched.last
+    assert view is not None
+    assert selection is not None
+    keep = view.state.inside[selection.ids]
+    return Snapshot(
+        scene,
+        spec.text,
+        frame,
+        view.camera,
+        selection.ids[keep],
+        selection.detail[keep],
+        view.state.centers_m,
+    )

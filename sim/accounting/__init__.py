@@ -1,0 +1,1 @@
+"""What a frame draws, costs and shows, counted for every policy alike."""

@@ -1,0 +1,155 @@
+"""Switches of level, counted by the simulator in the same way for every policy.
+
+A toggle is a change of level on a node drawn in this frame and in the one before.  A continuous
+node toggles when its resolution passes a knot of its level table, its stated discretisation.  A
+reversal is a toggle that returns, within `REVERSAL_NS`, to the level that the last toggle left.
+Popping sums, over every change of detail, the change of projected error weighted by the share of
+the viewport that the node covers.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import FloatArray, IntArray
+
+REVERSAL_NS = 500_000_000
+"""A switch undone within half a second is a reversal (three.js issue 14565 is the complaint)."""
+
+
+@dataclass(slots=True)
+class Drawn:
+    """Nodes drawn in one frame, as equal-length arrays.
+
+    Attributes
+    ----------
+    ids : int32
+    detail : float64
+    row : int64
+        Row of the level table; with `fraction`, where between it and the next row.
+    fraction : float64 or None
+        None where every drawn node is discrete.
+    area_px : float64
+    error_m : float64
+        Geometric error of the level, before scale.
+    px_per_m : float64
+        Screen-space error in px of one metre of error before scale, at the node's nearest point.
+    reach : pair of float64 arrays, or None
+        `Footprint.covered_px` and `Footprint.inside_share`; None where nothing is charged by them.
+    """
+
+    ids: IntArray
+    detail: FloatArray
+    row: NDArray[np.int64]
+    fraction: FloatArray | None
+    area_px: FloatArray
+    error_m: FloatArray
+    px_per_m: FloatArray
+    reach: tuple[FloatArray, FloatArray] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchCounts:
+    """Switches of one frame."""
+
+    toggles: int = 0
+    reversals: int = 0
+    popping_px: float = 0.0
+
+    def __add__(self, other: "SwitchCounts") -> "SwitchCounts":
+        return SwitchCounts(
+            self.toggles + other.toggles,
+            self.reversals + other.reversals,
+            self.popping_px + other.popping_px,
+        )
+
+
+class Switches:
+    """Level history of N nodes.
+
+    Attributes
+    ----------
+    detail : (N,) float64
+        Detail at which each node was last drawn, NaN before that.
+    """
+
+    __slots__ = (
+        "_crossfade_ns",
+        "_detail",
+        "_error_m",
+        "_fade_end_ns",
+        "_fade_row",
+        "_from_row",
+        "_stamp",
+        "_switch_ns",
+        "_viewport_px",
+        "detail",
+    )
+
+    def __init__(self, nodes: int, crossfade_ns: int, viewport_px: float) -> None:
+        self._crossfade_ns = crossfade_ns
+        self._viewport_px = viewport_px
+        # Frame and row of the last drawing in one number, so that one comparison tells the many
+        # nodes that go on unchanged from the few that do not.
+        self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
+        self._from_row = np.full(nodes, -1, dtype=np.int32)
+        self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
+        self._error_m = np.zeros(nodes)
+        fading = nodes if crossfade_ns else 0
+        self._fade_end_ns = np.zeros(fading, dtype=np.int64)
+        self._fade_row = np.zeros(fading, dtype=np.int64)
+        self._detail = np.full(nodes, np.nan)
+        self.detail = self._detail.view()
+        self.detail.flags.writeable = False
+
+    def record(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
+        """Record what a frame draws and return its switches."""
+        ids = drawn.ids
+        before = self._stamp.take(ids)
+        self._stamp[ids] = drawn.row + (frame << _ROW_BITS)
+        other = before != drawn.row + ((frame - 1) << _ROW_BITS)
+        if drawn.fraction is not None:
+            other |= self._detail.take(ids) != drawn.detail
+        at = other.nonzero()[0]
+        if not len(at):
+            return SwitchCounts()
+        before = before[at]
+        known = before >> _ROW_BITS == frame - 1
+        counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
+        changed = ids[at]
+        self._error_m[changed] = drawn.error_m[at]
+        self._detail[changed] = drawn.detail[at]
+        return counts
+
+    def _switch(
+        self, at: NDArray[np.intp], old_row: NDArray[np.int64], time_ns: int, drawn: Drawn
+    ) -> SwitchCounts:
+        """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
+        if not len(at):
+            return SwitchCounts()
+        step = np.abs(drawn.error_m[at] - self._error_m[drawn.ids[at]]) * drawn.px_per_m[at]
+        popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
+        new_row = drawn.row[at]
+        passed = old_row != new_row
+        ids, new_row, old_row = drawn.ids[at][passed], new_row[passed], old_row[passed]
+        undone = (self._from_row[ids] == new_row) & (time_ns - self._switch_ns[ids] <= REVERSAL_NS)
+        self._from_row[ids] = old_row
+        self._switch_ns[ids] = time_ns
+        if self._crossfade_ns:
+            self._fade_row[ids] = old_row
+            self._fade_end_ns[ids] = time_ns + self._crossfade_ns
+        return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px)
+
+    def fading(self, time_ns: int, ids: IntArray) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+        """Return positions in `ids` of nodes still in a cross-fade, and the rows they leave."""
+        if not self._crossfade_ns:
+            return _NOWHERE, _NO_ROWS
+        at = np.flatnonzero(self._fade_end_ns[ids] > time_ns)
+        return at, self._fade_row[ids[at]]
+
+
+_ROW_BITS = 31
+_ROW_MASK = (1 << _ROW_BITS) - 1
+_NOWHERE = np.empty(0, dtype=np.intp)
+_NO_ROWS = np.empty(0, dtype=np.int64)

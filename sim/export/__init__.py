@@ -1,0 +1,1 @@
+"""Simulated runs for the viewers that users already have."""

@@ -1,0 +1,174 @@
+"""What is measured over seeds, the stored baseline, and what a stored comparison holds."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lodbench.analysis.gate.baseline import make_baseline, read_baseline, write_baseline
+from lodbench.analysis.gate.check_result import encode_report, judge_all
+from lodbench.analysis.gate.limits_file import parse_limits
+from lodbench.analysis.gate.measurements import Measured, Sampling, measure, measure_run
+from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.metric_registry import METRICS
+from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.comparison_folder import write_results
+from lodbench.analysis.study.score import World
+from lodbench.base.errors import InputError
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.registry import parse_policy
+from lodbench.sim.replay import ReplayOptions, replay
+from lodbench.traces.cameras.camera_trace import CameraTrace
+
+LIMITS = parse_limits(
+    """[limits]
+frame_ms_p99 = { max = 12.0, max_increase = "2.5%" }
+overshoot_ratio = { max_increase = "5%", floor = 0.05 }
+"""
+)
+SAMPLING = Sampling(seeds=3, resamples=50)
+POLICIES = [parse_policy("full"), parse_policy("feedback")]
+
+
+@pytest.fixture
+def world(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile) -> World:
+    """Return 400 frames in the small scene, with a step in load on the way."""
+    options = ReplayOptions(budget_ms=8.0, seed=5, frames=400)
+    return World(small_scene, turn_trace, machine, options, 30)
+
+
+def test_scores_are_means_over_seeds(world: World) -> None:
+    """The value is the mean of what three replays with successive seeds have."""
+    _, (first, _) = measure(POLICIES, world, SAMPLING)
+    values: list[float] = []
+    for seed in (5, 6, 7):
+        options = replace(world.options, seed=seed)
+        policy = POLICIES[0].make()
+        log = replay(policy, world.scene, world.trace, world.hardware, options, name="x")
+        run = Run(log, 30)
+        values.append(float(np.nanquantile(run.frame_ms, 0.99)))
+    score = first.scores["frame_ms_p99"]
+    assert score.value is not None
+    assert score.value == pytest.approx(np.mean(values))
+    assert [log.header.seed for log in first.logs] == [5, 6, 7]
+    assert score.low is not None
+    assert score.high is not None
+    assert score.low < score.value < score.high
+
+
+def test_one_event_a_run_has_an_interval_over_seeds(world: World) -> None:
+    """The overshoot after the only step of the trace is judged by how it differs among seeds."""
+    _, (every,) = measure(POLICIES[:1], world, SAMPLING)
+    score = every.scores["overshoot_ratio"]
+    assert score.value is not None
+    assert score.low is not None
+    assert score.high is not None
+    assert score.low < score.value < score.high
+    _, (alone,) = measure(POLICIES[:1], world, replace(SAMPLING, seeds=1))
+    assert alone.scores["overshoot_ratio"].low is None
+
+
+def test_verdicts_do_not_depend_on_workers(world: World) -> None:
+    """The same bytes come from one process and from four."""
+    texts: set[bytes] = set()
+    for workers in (1, 4):
+        conditions, measured = measure(POLICIES, world, replace(SAMPLING, workers=workers))
+        texts.add(encode_report(judge_all(LIMITS, measured, conditions, None)))
+    assert len(texts) == 1
+
+
+def test_draws_of_the_cost_model_widen_intervals(
+    world: World, fitted_machine: HardwareProfile
+) -> None:
+    """With 20 % between draws of the triangle cost the interval is wider than of noise alone."""
+    narrow, wide = (
+        measure(POLICIES[:1], replace(world, hardware=fitted_machine), replace(SAMPLING, draws=n))[
+            1
+        ][0].scores["work_ms_p95"]
+        for n in (0, 6)
+    )
+    assert wide.value == narrow.value
+    assert wide.high is not None
+    assert wide.low is not None
+    assert narrow.high is not None
+    assert narrow.low is not None
+    assert wide.high - wide.low > 2.0 * (narrow.high - narrow.low)
+
+
+def test_baseline_is_deterministic_and_changes_nothing(world: World, tmp_path: Path) -> None:
+    """The file has the same bytes again, and a run is not worse than itself by any amount."""
+    conditions, measured = measure(POLICIES, world, SAMPLING)
+    baseline = make_baseline(conditions, measured, LIMITS)
+    one, two = tmp_path / "one.json", tmp_path / "two.json"
+    write_baseline(one, baseline)
+    write_baseline(two, make_baseline(*measure(POLICIES, world, SAMPLING), LIMITS))
+    assert one.read_bytes() == two.read_bytes()
+    assert set(tmp_path.iterdir()) == {one, two}
+    none = parse_limits("[limits]\nframe_ms_p99 = { max_increase = '0%', max_decrease = '0%' }")
+    stored = read_baseline(one, conditions)
+    report = judge_all(none, measured, conditions, stored, strict=True)
+    assert [verdict.outcome for verdict in report.verdicts] == ["passes"] * 4
+
+
+def test_baseline_of_other_conditions_is_refused(world: World, tmp_path: Path) -> None:
+    """Other seeds, frames or machines cannot be paired, and the error says which."""
+    conditions, measured = measure(POLICIES, world, SAMPLING)
+    path = tmp_path / "baseline.json"
+    write_baseline(path, make_baseline(conditions, measured, LIMITS))
+    for name, value in (("seeds", 4), ("hardware", "other"), ("frames", None)):
+        changed = replace(conditions, **{name: value})
+        with pytest.raises(InputError, match=f"expected a baseline of {name} {value}, got"):
+            read_baseline(path, changed)
+    for content in (b"", b"[]", b"\xff\xfe", b'{"conditions": 3}'):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match="--update-baseline"):
+            read_baseline(path, conditions)
+    path.unlink()
+    with pytest.raises(InputError, match="No such file"):
+        read_baseline(path, conditions)
+
+
+def test_a_stored_comparison_is_measured_as_it_was_scored(world: World, tmp_path: Path) -> None:
+    """Scores and intervals are those of `compare`, and resamples those behind them."""
+    comparison, logs = compare(
+        POLICIES,
+        world.scene,
+        world.trace,
+        world.hardware,
+        world.options,
+        CompareOptions(resamples=50, workers=1),
+    )
+    write_results(tmp_path / "run", comparison, logs)
+    conditions, measured = measure_run(tmp_path / "run")
+    assert (conditions.seeds, conditions.seed, conditions.warmup) == (1, 5, 30)
+    for item, policy in zip(measured, comparison.policies, strict=True):
+        assert item.scores == policy.metrics
+        ends = np.quantile(item.paired["frame_ms_p99"], (0.05, 0.95))
+        score = policy.metrics["frame_ms_p99"]
+        assert ends.tolist() == [score.low, score.high]
+
+
+def test_every_metric_has_a_worst_frame_or_none(world: World) -> None:
+    """The worst frame is one of the measured ones, and holds the extreme of its column."""
+    conditions, measured = measure(POLICIES, world, SAMPLING)
+    text = "\n".join(f"{metric.id} = {{ max = 0 }}" for metric in METRICS)
+    report = judge_all(parse_limits(f"[limits]\n{text}"), measured, conditions, None)
+    by_name = {(item.policy, log.header.seed): log for item in measured for log in item.logs}
+    found = [verdict for verdict in report.verdicts if verdict.worst is not None]
+    assert len(found) > len(METRICS)
+    for verdict in found:
+        worst = verdict.worst
+        assert worst is not None
+        log = by_name[verdict.policy, worst.seed]
+        assert 30 <= worst.frame < len(log)
+        assert worst.camera_m == tuple(log[axis][worst.frame] for axis in ("x_m", "y_m", "z_m"))
+        if verdict.metric == "work_ms_max":
+            assert worst.value == verdict_max(measured, verdict.policy)
+
+
+def verdict_max(measured: list[Measured], policy: str) -> float:
+    """Return the largest work time of a policy in all its replays."""
+    logs = next(item.logs for item in measured if item.policy == policy)
+    return max(float(Run(log, 30).work_ms.max()) for log in logs)

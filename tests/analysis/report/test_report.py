@@ -1,0 +1,178 @@
+"""The report: complete, self-contained, safe with any name, and honest about what is missing."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lodbench.analysis.metrics.metric_registry import METRICS
+from lodbench.analysis.report.palette import inks
+from lodbench.analysis.report.render import render_report
+from lodbench.analysis.report.series import bin_means, envelope, tail
+from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.comparison import Comparison
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.registry import parse_policy
+from lodbench.sim.frame_log import FrameLog
+from lodbench.sim.replay import ReplayOptions
+from lodbench.traces.cameras.camera_trace import CameraTrace
+
+Results = tuple[Comparison, dict[str, FrameLog]]
+
+
+class Page(HTMLParser):
+    """Collects what a browser would load, the tags left open, and the text."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note a tag and what it refers to."""
+        self.loads += [str(value) for key, value in attrs if key in {"src", "href"}]
+        if tag not in {"meta", "link", "img", "br", "input", "hr"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        """Close the innermost tag, which has to be this one."""
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        """Collect text outside scripts and styles."""
+        if self.open and self.open[-1] not in {"script", "style"}:
+            self.text += data
+
+
+@pytest.fixture
+def results(
+    small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
+) -> Results:
+    """Return a comparison with a failed policy, whose reason holds markup."""
+    texts = ["full", "static-screen", "feedback", f"{bad_policies}:Raises", f"{bad_policies}:Seer"]
+    policies = [parse_policy(text) for text in texts]
+    options = CompareOptions(workers=1, resamples=20)
+    replay = ReplayOptions(budget_ms=8.0)
+    return compare(policies, small_scene, turn_trace, machine, replay, options)
+
+
+def test_page_is_whole_and_loads_nothing(results: Results) -> None:
+    """Every tag is closed, and nothing is fetched from anywhere."""
+    page = Page(render_report(*results))
+    assert page.open == []
+    assert page.loads == []
+
+
+def test_page_says_all_that_matters(results: Results) -> None:
+    """Policies, every metric with its source, provenance, warm-up and the step are on the page."""
+    comparison, _ = results
+    text = Page(render_report(*results)).text
+    for part in ("full", "static-screen", "feedback", "first 30 frames", "made up for tests"):
+        assert part in text
+    for metric in METRICS:
+        assert metric.id in text
+        assert " ".join(metric.source.split()) in " ".join(text.split())
+    assert "is assumed, not measured" in text
+    overshoot = comparison.policies[0].metrics["overshoot_ratio"].value
+    assert overshoot is not None
+    assert f"{overshoot:.2f} ×" in text
+    assert "frame 70: ValueError: lost <b>patience</b>" in text
+
+
+def test_markup_in_names_stays_text(results: Results) -> None:
+    """A policy whose name or reason holds tags adds none to the page."""
+    html = render_report(*results)
+    assert "<b>patience</b>" not in html
+    assert "&lt;b&gt;patience&lt;/b&gt;" in html
+
+
+def test_charts_hold_every_policy(results: Results) -> None:
+    """Each chart draws each policy that was scored, and the one that failed nowhere."""
+    html = render_report(*results)
+    for chart in ("time", "distribution", "steps", "pareto", "duels"):
+        assert html.count(f'id="chart-{chart}"') == 1, chart
+    assert len(re.findall(r'"name":"static-screen"', html)) >= 4 + 2 + 1 + 3
+    assert not re.search(r'"name":"[^"]*Raises"', html)
+
+
+def test_same_results_same_page(results: Results) -> None:
+    """The page has no random identifiers and no dates."""
+    assert render_report(*results) == render_report(*results)
+
+
+def test_page_of_failures_only(
+    small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
+) -> None:
+    """With nothing to draw the page still says what went wrong."""
+    results = compare(
+        [parse_policy(f"{bad_policies}:Nan")],
+        small_scene,
+        turn_trace,
+        machine,
+        ReplayOptions(budget_ms=8.0),
+        CompareOptions(workers=1, resamples=4),
+    )
+    page = Page(render_report(*results))
+    assert page.open == []
+    assert "nan" in page.text
+    assert "Nothing to draw" in page.text
+
+
+def test_inks_are_distinct(results: Results) -> None:
+    """No two policies look alike, in charts or as markers."""
+    chosen = inks(results[0])
+    assert len(set(chosen.values())) == len(chosen) == 5
+
+
+def test_envelope_keeps_extremes_and_ends_of_short_lines() -> None:
+    """A short line is untouched; of a long one every bucket keeps its lowest and highest."""
+    x = np.arange(1000.0)
+    y = np.sin(x)
+    y[517] = 40.0
+    assert [part.tolist() for part in envelope(x[:20], y[:20], 10)] == [
+        x[:20].tolist(),
+        y[:20].tolist(),
+    ]
+    few_x, few_y = envelope(x, y, 50)
+    assert len(few_x) <= 100
+    assert 40.0 in few_y
+    assert (np.diff(few_x) > 0).all()
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=300), st.integers(1, 20))
+def test_envelope_keeps_the_range(values: list[float], buckets: int) -> None:
+    """Whatever is left out, the lowest and the highest value stay."""
+    y = np.array(values)
+    _, few = envelope(np.arange(len(y), dtype=np.float64), y, buckets)
+    assert (few.min(), few.max()) == (y.min(), y.max())
+    assert len(few) <= max(2 * buckets, len(y) if len(y) <= 2 * buckets else 0)
+
+
+def test_bin_means_by_hand() -> None:
+    """Means of bins of one second; an empty bin has none."""
+    x, y = np.array([0.1, 0.2, 0.9, 2.5]), np.array([1.0, 2.0, 6.0, 4.0])
+    means = bin_means(x, y, np.array([0.0, 1.0, 2.0, 3.0]))
+    assert means.tolist()[::2] == [3.0, 4.0]
+    assert np.isnan(means[1])
+
+
+def test_tail_by_hand() -> None:
+    """Of four frames all take at least the shortest, one in four at least the longest."""
+    x, share = tail(np.array([3.0, 1.0, np.nan, 2.0, 9.0]), 100)
+    assert x.tolist() == [1.0, 2.0, 3.0, 9.0]
+    assert share.tolist() == [1.0, 0.75, 0.5, 0.25]
+
+
+def test_tail_is_thinned_in_its_body_only() -> None:
+    """Of 10,000 frames the slowest twentieth is drawn in full."""
+    x, share = tail(np.arange(10_000.0), 100)
+    assert len(x) <= 601
+    assert x[-500:].tolist() == np.arange(9_500.0, 10_000.0).tolist()
+    assert share[-1] == pytest.approx(1e-4)

@@ -1,0 +1,295 @@
+"""Comparisons of a small world: scores, failures, intervals, pairing, and the same bytes."""
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from lodbench.analysis.metrics.metric_registry import METRICS
+from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.comparison import Comparison, encode_comparison, read_comparison
+from lodbench.base.errors import InputError
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.registry import parse_policy
+from lodbench.sim.frame_log import FrameLog
+from lodbench.sim.replay import ReplayOptions
+from lodbench.traces.cameras.camera_trace import CameraTrace
+
+REPLAY = ReplayOptions(budget_ms=8.0, seed=3)
+ONE = CompareOptions(workers=1, resamples=60, draws=0)
+
+
+class World:
+    """The small world, so that a test names only what it is about."""
+
+    def __init__(self, scene: Scene, trace: CameraTrace, machine: HardwareProfile) -> None:
+        self.scene, self.trace, self.machine = scene, trace, machine
+
+    def compare(
+        self,
+        *policies: str,
+        options: CompareOptions = ONE,
+        replay: ReplayOptions = REPLAY,
+        machine: HardwareProfile | None = None,
+    ) -> tuple[Comparison, dict[str, FrameLog]]:
+        """Compare policies."""
+        specs = [parse_policy(text) for text in policies]
+        return compare(specs, self.scene, self.trace, machine or self.machine, replay, options)
+
+
+@pytest.fixture(scope="module")
+def world(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile) -> World:
+    """Return the small world."""
+    return World(small_scene, turn_trace, machine)
+
+
+def test_json_follows_the_contract(world: World) -> None:
+    """The document has the keys that other tools rely on, in every policy and every metric."""
+    comparison, logs = world.compare("full", "static-screen:first=0.5")
+    document = msgspec.json.decode(encode_comparison(comparison))
+    assert next(iter(document)) == "schema"
+    assert document["schema"] == "lodbench.compare/1"
+    wanted = {"scene", "trace", "hardware", "budget_ms", "seed", "frames", "policies", "warmup"}
+    assert wanted <= set(document)
+    assert (document["scene"], document["trace"], document["seed"]) == ("small", "turn", 3)
+    second = document["policies"][1]
+    assert (second["name"], second["params"]) == ("static-screen", {"first": 0.5})
+    assert (second["status"], second["reason"], second["oracle"]) == ("ok", None, False)
+    assert set(second["metrics"]) == {metric.id for metric in METRICS}
+    for score in second["metrics"].values():
+        assert set(score) == {"value", "low", "high", "unit", "better"}
+    assert document["frames"] == max(map(len, logs.values()))
+
+
+def test_absent_metrics_are_null(world: World) -> None:
+    """What a run cannot have is null in the JSON, not 0."""
+    document = msgspec.json.decode(encode_comparison(world.compare("full")[0]))
+    metrics = document["policies"][0]["metrics"]
+    for name in ("missed_vsync_fraction", "prediction_error_pct_mean", "optimality"):
+        assert metrics[name]["value"] is None
+        assert metrics[name]["low"] is None
+
+
+def test_read_back_equals_what_was_written(world: World, tmp_path: Path) -> None:
+    """The JSON of a comparison is the comparison."""
+    comparison, _ = world.compare("full", "feedback")
+    path = tmp_path / "comparison.json"
+    path.write_bytes(encode_comparison(comparison))
+    assert read_comparison(path) == comparison
+
+
+def test_values_are_those_of_the_log(world: World) -> None:
+    """A score is the mean of its column after the warm-up, here counted by numpy."""
+    comparison, logs = world.compare("static-screen")
+    log = logs["static-screen"]
+    work = np.maximum(log["cpu_ms"], log["gpu_ms"])[30:]
+    metrics = comparison.policies[0].metrics
+    assert metrics["work_ms_mean"].value == pytest.approx(work.mean(), rel=1e-12)
+    assert metrics["over_budget_fraction"].value == pytest.approx((work > 8.0).mean())
+    assert metrics["toggles_per_frame"].value == pytest.approx(log["toggles"][30:].mean())
+
+
+def test_broken_policies_fail_by_name_and_frame(world: World, bad_policies: Path) -> None:
+    """Whatever a policy breaks, it fails alone, and the reason names frame and fault."""
+    broken = [f"{bad_policies}:{name}" for name in ("Raises", "Nan", "Short", "TooCoarse")]
+    comparison, logs = world.compare("full", *broken, "static-screen")
+    assert [policy.status for policy in comparison.policies] == ["ok", *["failed"] * 4, "ok"]
+    assert list(logs) == ["full", "static-screen"]
+    reasons = [str(policy.reason) for policy in comparison.failed]
+    assert reasons[0] == "frame 70: ValueError: lost <b>patience</b>"
+    first_seen = next(i for i, n in enumerate(logs["full"]["visible"]) if n)
+    for reason, fault in zip(reasons[1:], ("nan", "detail: expected", "got 3"), strict=True):
+        assert reason.startswith("frame ")
+        assert abs(int(reason.split()[1].rstrip(":")) - first_seen) < 400
+        assert fault in reason
+
+
+def test_policy_that_does_not_fit_is_not_applicable(world: World, bad_policies: Path) -> None:
+    """A policy for trees is not run on a flat scene, and the reason says why."""
+    comparison, _ = world.compare("full", f"{bad_policies}:OnlyTrees")
+    assert comparison.policies[1].status == "not-applicable"
+    assert "flat" in str(comparison.policies[1].reason)
+    assert not comparison.failed
+
+
+def test_refused_parameters_fail_the_policy_alone(world: World) -> None:
+    """Parameters that a policy refuses when it is reset do not stop the others."""
+    comparison, _ = world.compare("full", "feedback:target=2")
+    assert [policy.status for policy in comparison.policies] == ["ok", "failed"]
+    assert "target" in str(comparison.policies[1].reason)
+
+
+def test_policies_are_named_once(world: World) -> None:
+    """Two policies of one label could not be told apart."""
+    with pytest.raises(InputError, match="full twice"):
+        world.compare("full", "full")
+
+
+def test_run_that_is_all_warmup_is_refused(world: World) -> None:
+    """As many frames as the warm-up leave nothing to measure, whatever the policy."""
+    with pytest.raises(InputError, match="more than the 30 of warm-up, got 30"):
+        world.compare("full", replay=ReplayOptions(budget_ms=8.0, frames=30))
+
+
+def test_policy_too_slow_for_the_warmup_fails(world: World) -> None:
+    """Where frames end with the trace, a policy that shows too few of them is told by name."""
+    comparison, _ = world.compare("full", options=CompareOptions(warmup=100_000, workers=1))
+    assert "warm-up" in str(comparison.policies[0].reason)
+
+
+def test_intervals_hold_the_value_of_means(world: World) -> None:
+    """The interval of a mean holds it, and ends are in order for every metric."""
+    comparison, _ = world.compare("feedback")
+    metrics = comparison.policies[0].metrics
+    for name in ("work_ms_mean", "lag_ms_mean", "utilisation"):
+        score = metrics[name]
+        assert score.low is not None
+        assert score.value is not None
+        assert score.high is not None
+        assert score.low < score.value < score.high, name
+    for score in metrics.values():
+        assert score.low is None or score.high is None or score.low <= score.high
+
+
+def test_single_step_has_no_interval(world: World) -> None:
+    """From one step nothing is known of the spread between steps."""
+    comparison, _ = world.compare("full")
+    (step,) = comparison.policies[0].steps
+    assert step.time_ms == pytest.approx(1000.0, abs=20.0)
+    assert not step.settled
+    score = comparison.policies[0].metrics["overshoot_ratio"]
+    assert score.value == pytest.approx(13.0 / 8.0, rel=0.1)
+    assert score.low is None
+
+
+def test_equal_policies_tie_exactly(world: World) -> None:
+    """Common noise and common blocks: the same policy under two labels ties in every resample."""
+    comparison, _ = world.compare("static-screen", "static-screen:first=0.25")
+    first, second = comparison.ok
+    assert first.metrics == second.metrics
+    for name, table in comparison.beats.items():
+        assert table["static-screen"] == (None, 0.5), name
+
+
+def test_probabilities_of_a_pair_add_up(world: World) -> None:
+    """Either policy is better or they tie: the two probabilities sum to 1."""
+    comparison, _ = world.compare("full", "static-screen", "feedback")
+    labels = [policy.label for policy in comparison.ok]
+    for table in comparison.beats.values():
+        for i, mine in enumerate(labels):
+            assert table[mine][i] is None
+            for j in range(i):
+                a, b = table[mine][j], table[labels[j]][i]
+                assert a is not None
+                assert b is not None
+                assert a + b == pytest.approx(1.0)
+
+
+def test_obvious_winner_wins_every_resample(world: World, bad_policies: Path) -> None:
+    """The coarsest level is cheaper than full detail and worse to look at, in every resample."""
+    coarsest = f"{bad_policies}:Coarsest"
+    comparison, _ = world.compare("full", coarsest)
+    assert comparison.beats["work_ms_mean"][coarsest] == (1.0, None)
+    assert comparison.beats["sse_px_p95"][coarsest] == (0.0, None)
+    assert comparison.pareto.front == ("full", coarsest)
+
+
+def test_oracle_takes_no_part_in_the_front(world: World, bad_policies: Path) -> None:
+    """A policy that sees the future is marked and is on no front."""
+    seer = f"{bad_policies}:Seer"
+    comparison, _ = world.compare("full", seer)
+    assert comparison.policies[1].oracle
+    assert comparison.pareto.front == ("full",)
+    assert seer not in comparison.pareto.probability
+
+
+def test_draws_widen_the_interval(world: World, fitted_machine: HardwareProfile) -> None:
+    """Coefficients known to 20 % leave a mean time known no better, whatever the frames say."""
+    with_draws = CompareOptions(workers=1, resamples=60, draws=6)
+    sure, _ = world.compare("full")
+    unsure, _ = world.compare("full", options=with_draws, machine=fitted_machine)
+    assert (sure.intervals.draws, unsure.intervals.draws) == (0, 6)
+    assert unsure.intervals.resamples == 60
+    wide, narrow = (c.policies[0].metrics["work_ms_p95"] for c in (unsure, sure))
+    assert wide.value == narrow.value
+    assert wide.low is not None
+    assert wide.high is not None
+    assert narrow.low is not None
+    assert narrow.high is not None
+    # The slowest frames have all objects in view: 1 ms, and 12 ms times 0.8 to 1.2, with noise.
+    assert wide.low == pytest.approx(1 + 12 * 0.8, rel=0.06)
+    assert wide.high == pytest.approx(1 + 12 * 1.2, rel=0.06)
+    assert narrow.high - narrow.low < 0.2 * (wide.high - wide.low)
+
+
+def test_fewer_draws_than_asked_are_each_taken_once(
+    world: World, fitted_machine: HardwareProfile
+) -> None:
+    """A profile with six draws is replayed under six."""
+    options = CompareOptions(workers=1, resamples=10, draws=100)
+    comparison, _ = world.compare("full", options=options, machine=fitted_machine)
+    assert (comparison.intervals.draws, comparison.intervals.resamples) == (6, 12)
+
+
+def test_same_bytes_on_any_worker_count(
+    world: World, fitted_machine: HardwareProfile, bad_policies: Path
+) -> None:
+    """One process or two: the same JSON and the same frame logs, failures included."""
+    policies = ("full", "feedback", f"{bad_policies}:Raises", f"{bad_policies}:Coarsest")
+    results = [
+        world.compare(
+            *policies,
+            options=CompareOptions(workers=workers, resamples=20, draws=2),
+            machine=fitted_machine,
+        )
+        for workers in (1, 2)
+    ]
+    assert encode_comparison(results[0][0]) == encode_comparison(results[1][0])
+    for label, log in results[0][1].items():
+        other = results[1][1][label]
+        assert log.counts.tobytes() == other.counts.tobytes()
+        assert log.times_ns.tobytes() == other.times_ns.tobytes()
+
+
+def test_seed_changes_the_noise(world: World) -> None:
+    """Another seed is another day on the same machine."""
+    first, again, other = (
+        world.compare("full", replay=ReplayOptions(budget_ms=8.0, seed=seed))[0]
+        for seed in (0, 0, 1)
+    )
+    assert first == again
+    assert first.policies[0].metrics["work_ms_sd"] != other.policies[0].metrics["work_ms_sd"]
+
+
+def test_progress_counts_every_replay(world: World, fitted_machine: HardwareProfile) -> None:
+    """Two policies under the mean and two draws are six replays."""
+    seen: list[tuple[int, int]] = []
+    compare(
+        [parse_policy("full"), parse_policy("feedback")],
+        world.scene,
+        world.trace,
+        fitted_machine,
+        REPLAY,
+        CompareOptions(workers=1, resamples=4, draws=2),
+        progress=lambda done, total: seen.append((done, total)),
+    )
+    assert seen == [(i, 6) for i in range(1, 7)]
+
+
+@pytest.mark.parametrize("field", ["warmup", "resamples", "draws", "workers"])
+def test_options_are_checked(field: str) -> None:
+    """A negative count is refused by its name."""
+    with pytest.raises(InputError, match=field):
+        CompareOptions(**{field: -1})
+
+
+def test_broken_comparison_file_is_refused(tmp_path: Path) -> None:
+    """A missing, empty or foreign file is bad input with a path, not a traceback."""
+    path = tmp_path / "comparison.json"
+    for content in (None, b"", b"\xff\xfe", b'{"schema": "lodbench.compare/2"}', b"[1, 2]"):
+        if content is not None:
+            path.write_bytes(content)
+        with pytest.raises(InputError, match=r"comparison\.json"):
+            read_comparison(path)

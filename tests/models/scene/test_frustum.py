@@ -1,0 +1,134 @@
+"""Culling of spheres against brute force over points of the frustum."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.frustum import Culler
+
+coordinate = st.floats(-30.0, 30.0)
+angle = st.floats(-math.pi, math.pi)
+
+
+def turned(yaw: float, pitch: float) -> tuple[float, float, float, float]:
+    """Return the quaternion of a turn about z after one about x."""
+    cz, sz = math.cos(yaw / 2), math.sin(yaw / 2)
+    cx, sx = math.cos(pitch / 2), math.sin(pitch / 2)
+    return (cz * sx, sz * sx, sz * cx, cz * cx)
+
+
+def frustum_points(camera: Camera, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return (3, count) random scene points inside a camera's frustum, up to 60 m deep."""
+    depth = rng.uniform(camera.near_m, 60.0, count)
+    across = rng.uniform(-1.0, 1.0, (2, count))
+    half = np.array([[camera.width_px], [camera.height_px]]) / (2.0 * camera.focal_px)
+    local = np.vstack([across * half * depth, depth])
+    return camera.axes.T @ local + np.array(camera.position_m)[:, None]
+
+
+@given(
+    st.lists(st.tuples(coordinate, coordinate, coordinate, st.floats(0.01, 20.0)), min_size=1),
+    st.tuples(coordinate, coordinate, coordinate),
+    angle,
+    angle,
+    st.sampled_from([(1280, 720), (500, 900)]),
+    st.integers(0, 2**31),
+)
+def test_no_sphere_in_view_is_dropped(
+    spheres: list[tuple[float, float, float, float]],
+    position: tuple[float, float, float],
+    yaw: float,
+    pitch: float,
+    size_px: tuple[int, int],
+    seed: int,
+) -> None:
+    """A sphere that holds any of 300 random points of the frustum is a candidate."""
+    camera = Camera(position, turned(yaw, pitch), *size_px, math.radians(60.0))
+    rows = np.array(spheres).T
+    centers_m, radius_m = np.ascontiguousarray(rows[:3]), np.ascontiguousarray(rows[3])
+    culler = Culler(radius_m)
+    ids, xyz_m = culler.cull(centers_m, camera)
+    points = frustum_points(camera, 300, np.random.default_rng(seed))
+    gap = np.linalg.norm(points[:, :, None] - centers_m[:, None, :], axis=0) - radius_m
+    seen = set(np.flatnonzero((gap <= 0.0).any(axis=0)).tolist())
+    assert seen <= set(ids.tolist())
+    assert np.flatnonzero(culler.inside).tolist() == ids.tolist()
+    assert xyz_m == pytest.approx(camera.to_camera(centers_m[:, ids]), abs=1e-9)
+
+
+@given(
+    st.lists(st.tuples(coordinate, coordinate, coordinate, st.floats(0.01, 20.0)), min_size=1),
+    angle,
+    angle,
+)
+def test_spheres_outside_a_plane_are_dropped(
+    spheres: list[tuple[float, float, float, float]], yaw: float, pitch: float
+) -> None:
+    """A candidate lies outside none of the five planes, by signed distances to their normals."""
+    camera = Camera((1.0, -2.0, 0.5), turned(yaw, pitch), 1280, 720, math.radians(60.0))
+    rows = np.array(spheres).T
+    centers_m, radius_m = np.ascontiguousarray(rows[:3]), np.ascontiguousarray(rows[3])
+    ids, _ = Culler(radius_m).cull(centers_m, camera)
+    half_x, half_y = (math.atan(0.5 * px / camera.focal_px) for px in (1280, 720))
+    normals = np.array(
+        [
+            (-math.cos(half_x), 0, math.sin(half_x)),
+            (math.cos(half_x), 0, math.sin(half_x)),
+            (0, -math.cos(half_y), math.sin(half_y)),
+            (0, math.cos(half_y), math.sin(half_y)),
+            (0, 0, 1),
+        ]
+    )
+    local = camera.to_camera(centers_m)
+    signed = normals @ local - np.array([[0.0], [0.0], [0.0], [0.0], [camera.near_m]])
+    margin = (signed + radius_m).min(axis=0)
+    clear = np.abs(margin) > 1e-9
+    expected = np.flatnonzero((margin > 0.0) & clear)
+    assert set(expected.tolist()) == set(ids[clear[ids]].tolist())
+
+
+def test_boundaries_by_hand() -> None:
+    """With 90 degrees, spheres of 1 m at 10 m depth are in view up to 10 + sqrt 2 m aside."""
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 100, 100, math.pi / 2)
+    reach = 10.0 + math.sqrt(2.0)
+    centers = [
+        (reach - 1e-6, 0, -10),
+        (reach + 1e-6, 0, -10),
+        (0, -reach + 1e-6, -10),
+        (0, -reach - 1e-6, -10),
+        (0, 0, 0.9 - 1e-6),  # its front reaches just beyond the near plane at 0.1 m
+        (0, 0, 0.9 + 1e-6),
+        (0, 0, -1e6),  # no far plane
+    ]
+    ids, _ = Culler(np.ones(7)).cull(np.array(centers, dtype=np.float64).T.copy(), camera)
+    assert ids.tolist() == [0, 2, 4, 6]
+    assert ids.dtype == np.int32
+
+
+@pytest.mark.parametrize("count", [1, 15_999, 16_000, 16_001, 40_000])
+def test_blocks_make_no_difference(count: int) -> None:
+    """Many spheres are culled as each would be alone, in ascending order."""
+    rng = np.random.default_rng(count)
+    camera = Camera((0.0, 0.0, 0.0), turned(0.3, 1.2), 640, 480, 1.0)
+    centers_m, radius_m = rng.uniform(-50, 50, (3, count)), rng.uniform(0.1, 3.0, count)
+    ids, xyz_m = Culler(radius_m).cull(centers_m, camera)
+    some = rng.integers(0, count, 50)
+    for node in some:
+        alone, _ = Culler(radius_m[[node]]).cull(centers_m[:, [node]], camera)
+        assert (len(alone) == 1) == (node in ids)
+    assert (np.diff(ids) > 0).all()
+    assert xyz_m.shape == (3, len(ids))
+
+
+def test_the_answer_is_read_only() -> None:
+    """Nobody can change which nodes the simulator takes to be in view."""
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 100, 100, 1.0)
+    culler = Culler(np.ones(1))
+    ids, xyz_m = culler.cull(np.array([[0.0], [0.0], [-5.0]]), camera)
+    for array in (ids, xyz_m, culler.inside):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0

@@ -1,0 +1,110 @@
+"""Switches, quality and failures in a hierarchy of seven nodes, worked out by hand."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from lodbench.base.errors import PolicyError
+from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import Scene
+from lodbench.policies.protocol import Capabilities
+from lodbench.policies.selection import Selection
+from lodbench.policies.view import View
+from lodbench.sim.frame_log import FrameLog
+
+# Node 0 has children 1 and 2; 1 has 3 and 4; 2 has 5 and 6.  All lie 10 m ahead.
+PARENT = [-1, 0, 0, 1, 1, 2, 2]
+Run = Callable[..., FrameLog]
+MakeHardware = Callable[..., HardwareProfile]
+
+
+class Fronts:
+    """Draws given fronts, one a frame, the last for ever."""
+
+    capabilities: ClassVar[Capabilities] = Capabilities(hierarchy=True)
+
+    def __init__(self, *fronts: list[int]) -> None:
+        self.fronts = fronts
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Prepare nothing."""
+
+    def select(self, view: View) -> Selection:
+        """Return the front of the frame."""
+        ids = np.array(self.fronts[min(view.frame, len(self.fronts) - 1)], dtype=np.int32)
+        return Selection(ids, np.zeros(len(ids)))
+
+
+@pytest.fixture(scope="module")
+def tree(make_scene: Callable[..., Scene], make_levels: Callable[..., LevelTable]) -> Scene:
+    """Return the seven nodes: 10, 40 and 100 triangles and errors 0.4, 0.1 and 0 m by depth."""
+    levels = make_levels([(10,), (40,), (100,)], error_m=[(0.4,), (0.1,), (0.0,)])
+    places = [(0.0, 0.0, -10.0)] * 7
+    return make_scene(places, kind=[0, 1, 1, 2, 2, 2, 2], levels=levels, parent=PARENT)
+
+
+def test_refining_a_node_is_one_toggle(run: Run, tree: Scene) -> None:
+    """Root, its children, all leaves, children again: 1, 2, 2 toggles, and reversals at once."""
+    log = run(Fronts([0], [1, 2], [3, 4, 5, 6], [1, 2]), 5, scene=tree)
+    assert log["toggles"].tolist() == [0, 1, 2, 2, 0]
+    assert log["reversals"].tolist() == [0, 0, 0, 2, 0]
+    assert log["triangles"].tolist() == [10, 80, 400, 80, 80]
+    assert log["drawn"].tolist() == [1, 2, 4, 2, 2]
+    assert log["visible"].tolist() == [4] * 5
+    assert not log["missing"].any()
+
+
+def test_popping_sums_over_the_finer_nodes(run: Run, tree: Scene) -> None:
+    """Root to children: two nodes appear, each with 0.3 m less error over its share of view."""
+    log = run(Fronts([0], [1, 2]), 2, scene=tree)
+    area_px, px_per_m = np.pi * 2500.0 / 99.0, 50.0 / 9.0
+    assert log["popping_px"] == pytest.approx([0.0, 2 * 0.3 * px_per_m * area_px / 1e4])
+    assert log["sse_px_max"] == pytest.approx([0.4 * px_per_m, 0.1 * px_per_m])
+
+
+def test_quality_is_scored_over_the_leaves(run: Run, tree: Scene) -> None:
+    """Leaves under the root share its 10 triangles: 2.5 each; mixed fronts mix; none is missing."""
+    log = run(Fronts([0], [1, 5, 6], [3, 4], [3, 4, 5, 6]), 4, scene=tree)
+    area = np.pi * 2500.0 / 99.0
+    full = 4 * area * (1 - 0.5 / 100)
+    assert log["full_benefit"] == pytest.approx([full] * 4)
+    expected = [4 * (1 - 0.5 / 2.5), 2 * (1 - 0.5 / 20) + 2 * 0.995, 2 * 0.995, 4 * 0.995]
+    assert log["benefit"] == pytest.approx(area * np.array(expected))
+    assert log["missing"].tolist() == [0, 0, 2, 0]
+    assert log["benefit"][3] == log["full_benefit"][3]
+    assert log["model_gpu_ms"][3] == pytest.approx(log["full_gpu_ms"][3])
+
+
+def test_nodes_outside_the_frustum_are_culled_not_drawn(
+    run: Run, make_scene: Callable[..., Scene], make_levels: Callable[..., LevelTable]
+) -> None:
+    """A front may name nodes out of view; they cost nothing, and are no switch when they leave."""
+    levels = make_levels([(10,), (40,)], error_m=[(0.4,), (0.0,)])
+    places = [(0.0, 0.0, -10.0), (0.0, 0.0, -10.0), (0.0, 0.0, 50.0)]
+    scene = make_scene(
+        places, kind=[0, 1, 1], radius_m=[100.0, 1.0], levels=levels, parent=[-1, 0, 0]
+    )
+    log = run(Fronts([0], [1, 2]), 3, scene=scene)
+    assert log["drawn"].tolist() == [1, 1, 1]
+    assert log["visible"].tolist() == [1, 1, 1]
+    assert log["triangles"].tolist() == [10, 40, 40]
+
+
+def test_a_front_that_draws_a_place_twice_fails(run: Run, tree: Scene) -> None:
+    """A node below another that replaces it breaks the contract."""
+    with pytest.raises(PolicyError, match=r"frame 0: ids: expected a front, got node 3 below"):
+        run(Fronts([1, 2, 3]), scene=tree)
+
+
+@pytest.mark.parametrize(("seconds", "expected"), [(0.5, 1), (0.5 + 2e-9, 0)])
+def test_reversals_of_fronts_end_after_half_a_second(
+    run: Run, tree: Scene, make_hardware: MakeHardware, seconds: float, expected: int
+) -> None:
+    """Refined in one frame and coarsened one frame of half a second later: just a reversal."""
+    machine: Any = make_hardware({}, base_ms=1e-6, cpu_base_ms=seconds * 1e3)
+    log = run(Fronts([0], [1, 2], [0]), 3, scene=tree, hardware=machine)
+    assert log["toggles"].tolist() == [0, 1, 1]
+    assert log["reversals"].tolist() == [0, 0, expected]

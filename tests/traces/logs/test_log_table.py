@@ -1,0 +1,112 @@
+"""Tables in text: what is read fast is read right, and what is wrong is said with its line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lodbench.base.errors import InputError
+from lodbench.traces.logs.log_table import arrow_numbers, exact_numbers, read_log_bytes, split_table
+
+GOOD = "# note\na,b,c\n1,2.5,x\n3,NA,y\n"
+
+
+def table_of(text: str):
+    """Split a text into header and rows."""
+    return split_table(text.encode(), Path("log.csv"))
+
+
+def test_comments_header_and_rows_are_told_apart():
+    """Lines of comment and blank lines stand before the header; missing values are NaN."""
+    table = table_of("# note\n\n// more\n a , b,c\n1,2.5,x\n\n3,NA,y\n")
+    assert table.comments == ("note", "more")
+    assert table.header == ("a", "b", "c")
+    assert table.numbers([1, 0]).tolist()[0] == [2.5, 1.0]
+    assert np.isnan(table.numbers([1])[1, 0])
+    assert table.texts(2) == ["x", "y"]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_delimiters_are_found_in_the_header(delimiter: str):
+    """Commas, semicolons and tabs all separate columns."""
+    table = table_of("a,b\n1,2\n".replace(",", delimiter))
+    assert table.numbers([0, 1]).tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "says"),
+    [
+        ("a,b\n1,2\n3\n", 3, "expected 2 columns as in the header, got 1; the file is cut off"),
+        ("a,b\n1;2\n3,4\n", 2, "got 1; rows must use the delimiter of the header"),
+        ("a,b,c\n1,2\n3,4,5\n", 2, "got 2; correct or remove the row"),
+        ("a,b\n1,5,2,5\n", 2, "got 4; decimal commas?"),
+        ("a,b\n1;2\n", 2, "got 1"),
+        ('a;b\n"1,5";2\n', 2, "decimal comma: export with a point"),
+        ("a;b\n1,5;2\n", 2, "decimal comma: export with a point"),
+        ("a,b\n\n1,2\n\n1,zwei\n", 5, "expected a number in column b, got 'zwei'"),
+        ("a,b\n1,1_000\n", 2, "expected a number in column b, got '1_000'"),
+        ("a,b\n", 1, "expected rows below the header, got none"),
+        ("a,b\n\n  \n", 1, "expected rows below the header, got none"),
+        ("1,2\n3,4\n", 1, "expected a header row with names, got numbers"),
+        ("# only\n# comments\n", 2, "expected a header row, got only comments"),
+        ("just words\n1\n", 1, "expected columns separated by commas, semicolons or tabs"),
+    ],
+)
+def test_each_fault_has_its_line_and_its_advice(text: str, line: int, says: str):
+    """The message says where, what was expected and what to do."""
+    with pytest.raises(InputError) as caught:
+        table_of(text).numbers([0, 1])
+    assert caught.value.line == line
+    assert says in caught.value.message
+    assert caught.value.path == "log.csv"
+
+
+def test_line_ends_of_any_kind_and_mixed(tmp_path: Path):
+    """Windows, old Macintosh and Unix ends in one file make no difference."""
+    path = tmp_path / "mixed.csv"
+    path.write_bytes(b"a,b\r\n1,2\n3,4\r5,6\r\n")
+    table = split_table(read_log_bytes(path), path)
+    assert table.numbers([0, 1]).tolist() == [[1, 2], [3, 4], [5, 6]]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_marked_encodings_are_read(tmp_path: Path, encoding: str):
+    """A byte order mark says what the bytes are and is no part of the first name."""
+    path = tmp_path / "marked.csv"
+    path.write_bytes("a,b\n1,2\n".encode(encoding))
+    assert split_table(read_log_bytes(path), path).header == ("a", "b")
+
+
+cells = st.sampled_from(["1", "-2.5", "1e3", " 7 ", "NA", "", "nan", "0", "inf", '"4"'])
+
+
+@given(st.lists(st.lists(cells, min_size=3, max_size=3), min_size=1, max_size=20))
+def test_the_fast_pass_agrees_with_the_exact_one(rows: list[list[str]]):
+    """Arrow and the pass in Python give the same numbers, NaN for NaN."""
+    text = "a,b,c\n" + "".join(f"{','.join(row)}\n" for row in rows) + "1,2,3\n"
+    table = table_of(text)
+    exact = exact_numbers(table, [0, 2])
+    fast = arrow_numbers(table, [0, 2])
+    if fast is not None:
+        np.testing.assert_array_equal(fast, exact)
+    np.testing.assert_array_equal(table.numbers([0, 2]), exact)
+
+
+def test_plain_numbers_take_the_fast_pass():
+    """An ordinary log never needs the slow pass."""
+    assert arrow_numbers(table_of("a,b\n1,2.5\n3,NA\n"), [0, 1]) is not None
+
+
+@given(st.text(max_size=200))
+def test_any_text_gives_numbers_or_an_input_error(text: str):
+    """No other exception comes out of a damaged file."""
+    try:
+        values = table_of(f"a,b\n{text}").numbers([0, 1])
+    except InputError as error:
+        message = error.message
+    else:
+        message = ""
+        assert values.shape[1] == 2
+    assert "\n" not in message

@@ -1,0 +1,1 @@
+"""Camera traces: reading, placing, generating, writing."""

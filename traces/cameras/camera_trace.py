@@ -1,0 +1,189 @@
+"""Camera traces: where the camera was and how it was turned, at any time.
+
+Conventions, the same for every trace whatever file it came from:
+
+- the scene frame is right-handed with z up; lengths are metres, times seconds;
+- the camera looks along -z of its own frame, +x is right and +y is up (as in OpenGL and glTF);
+- an orientation is a unit quaternion ``x y z w`` that turns vectors of the camera frame into the
+  scene frame;
+- time starts at 0; ``origin_s`` keeps the time that the source gave to the first sample.
+
+Between samples the position is interpolated linearly and the orientation by slerp along the
+shorter arc (Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985); before the
+first and after the last sample the pose is held.
+"""
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...base.errors import InputError
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+# Above this cosine of half the turn (1.6 thousandths of a degree) slerp and lerp agree to the
+# last bit, and the sine in slerp's denominator would lose digits.
+_NEARLY_EQUAL = 1.0 - 1e-10
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A camera's position and its orientation, a unit quaternion ``x y z w``."""
+
+    position_m: tuple[float, float, float]
+    orientation_xyzw: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """One kind of repair that a reader made, and to how many samples."""
+
+    count: int
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.count} {self.what}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraTrace:
+    """A camera path as samples over time, with the pose at any time in between.
+
+    Raises `InputError` if an array has the wrong shape, holds NaN or infinity, or breaks a rule
+    above.
+
+    Parameters
+    ----------
+    name
+        What tables call it.
+    time_s
+        (n,), n >= 1, strictly increasing from 0.
+    position_m
+        (n, 3), scene frame.
+    orientation_xyzw
+        (n, 4), unit to 1e-9.
+    cut
+        (n,) True where the sample is a teleport: the pose before it is held until its time.
+    origin_s
+        Time of the first sample in the source.
+    repairs
+        What a reader mended, counted.
+    """
+
+    name: str
+    time_s: FloatArray
+    position_m: FloatArray
+    orientation_xyzw: FloatArray
+    cut: BoolArray
+    origin_s: float = 0.0
+    repairs: tuple[Repair, ...] = ()
+    _times: list[float] = field(init=False, repr=False)
+    _rows: list[tuple[float, ...]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        count = np.size(self.time_s)
+        shapes = {"time_s": (count,), "position_m": (count, 3), "orientation_xyzw": (count, 4)}
+        for name, shape in shapes.items():
+            array = _read_only(getattr(self, name), np.float64, name, shape)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "cut", _read_only(self.cut, np.bool_, "cut", (count,)))
+        _check_rules(self)
+        rows = np.hstack([self.position_m, self.orientation_xyzw]).tolist()
+        object.__setattr__(self, "_times", self.time_s.tolist())
+        object.__setattr__(self, "_rows", [tuple(row) for row in rows])
+
+    def __reduce__(self) -> tuple[type["CameraTrace"], tuple[object, ...]]:
+        # Built anew where it is unpickled: arrays are read-only there too, and rows do not travel.
+        arrays = (self.time_s, self.position_m, self.orientation_xyzw, self.cut)
+        return CameraTrace, (self.name, *arrays, self.origin_s, self.repairs)
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample."""
+        return self._times[-1]
+
+    def pose_at(self, time_s: float) -> Pose:
+        """Pose at one time, written in scalars because a replay asks once a frame."""
+        times = self._times
+        after = bisect_right(times, time_s)
+        if after == 0:
+            after = 1
+            time_s = times[0]
+        x, y, z, qx, qy, qz, qw = self._rows[after - 1]
+        if after == len(times) or self.cut[after]:
+            return Pose((x, y, z), (qx, qy, qz, qw))
+        before_s = times[after - 1]
+        t = (time_s - before_s) / (times[after] - before_s)
+        nx, ny, nz, rx, ry, rz, rw = self._rows[after]
+        cosine = qx * rx + qy * ry + qz * rz + qw * rw
+        a, b = 1.0 - t, t
+        if abs(cosine) < _NEARLY_EQUAL:
+            angle = math.acos(abs(cosine))
+            scale = 1.0 / math.sin(angle)
+            a, b = math.sin(a * angle) * scale, math.sin(b * angle) * scale
+        if cosine < 0.0:
+            b = -b
+        u = 1.0 - t
+        return Pose(
+            (u * x + t * nx, u * y + t * ny, u * z + t * nz),
+            (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw),
+        )
+
+    def poses_at(self, time_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Positions (m, 3) and orientations (m, 4) at m times; ``pose_at``, vectorised."""
+        times = np.clip(np.asarray(time_s, dtype=np.float64), 0.0, self.duration_s)
+        before = np.searchsorted(self.time_s, times, side="right") - 1
+        after = np.minimum(before + 1, len(self) - 1)
+        held = self.cut[after] | (after == before)
+        span = np.where(held, 1.0, self.time_s[after] - self.time_s[before])
+        t = np.where(held, 0.0, (times - self.time_s[before]) / span)[:, np.newaxis]
+        position = (1.0 - t) * self.position_m[before] + t * self.position_m[after]
+        first, second = self.orientation_xyzw[before], self.orientation_xyzw[after]
+        return position, _slerp(first, second, t)
+
+
+def _slerp(first: FloatArray, second: FloatArray, t: FloatArray) -> FloatArray:
+    cosine = np.sum(first * second, axis=1, keepdims=True)
+    near = np.abs(cosine) >= _NEARLY_EQUAL
+    angle = np.where(near, 1.0, np.arccos(np.minimum(np.abs(cosine), 1.0)))
+    a = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / np.sin(angle))
+    b = np.where(near, t, np.sin(t * angle) / np.sin(angle))
+    return a * first + np.where(cosine < 0.0, -b, b) * second
+
+
+def _read_only(
+    values: ArrayLike, dtype: type[np.generic], name: str, shape: tuple[int, ...]
+) -> NDArray[np.generic]:
+    array = np.array(values, dtype=dtype)
+    if array.shape != shape or array.size == 0:
+        raise InputError(
+            f"expected {name} of shape {shape} with at least one sample, got shape {array.shape}; "
+            "give arrays of equal length"
+        )
+    if not np.all(np.isfinite(array)):
+        raise InputError(f"expected finite {name}, got NaN or infinity; drop those samples")
+    array.flags.writeable = False
+    return array
+
+
+def _check_rules(trace: CameraTrace) -> None:
+    if trace.time_s[0] != 0.0 or np.any(np.diff(trace.time_s) <= 0.0):
+        raise InputError(
+            "expected time_s to increase strictly from 0, got a first time other than 0, or a "
+            "repeated or backward time; subtract the first time and drop repeated samples"
+        )
+    norm = np.linalg.norm(trace.orientation_xyzw, axis=1)
+    if np.any(np.abs(norm - 1.0) > 1e-9):
+        raise InputError(
+            f"expected unit quaternions, got norms from {norm.min():.6g} to {norm.max():.6g}; "
+            "divide each by its norm"
+        )
+    if trace.cut[0]:
+        raise InputError("expected cut[0] to be False, got True; nothing comes before sample 0")

@@ -1,0 +1,1 @@
+"""Camera-trace formats, one a file."""

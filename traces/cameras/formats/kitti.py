@@ -1,0 +1,112 @@
+"""KITTI odometry: 12 numbers of a 3 x 4 matrix a line, and a second file with the times.
+
+The format is that of Geiger, Lenz and Urtasun, "Are we ready for autonomous driving? The KITTI
+vision benchmark suite", CVPR 2012. The world frame is the optical frame of the first camera:
+x right, y down, z ahead; it becomes x right, y ahead, z up, which takes the first camera to be
+level. The pose is that of the optical frame of each camera.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ....base.errors import InputError
+from ..camera_trace import CameraTrace, FloatArray, Repair
+from ..orientation import camera_from_optical
+from ..samples import MAX_NORM_ERROR, ROUNDING, trace_from_samples
+from ..text_lines import data_lines, parse_numbers
+from ..trace_format import TraceFormat
+
+COLUMNS = tuple(f"m{row}{column}" for row in range(3) for column in range(4))
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+
+def read_kitti(path: Path, selector: str | None = None) -> CameraTrace:
+    """Camera trace of a KITTI poses file.
+
+    ``selector`` names the file with the times, relative to the poses' folder; without it
+    ``NAME-times.txt`` or ``times.txt`` beside the poses is read.
+
+    Raises `InputError` if a row has not 12 finite numbers, a matrix is no rotation, or there are no
+    times or not as many as poses; or as `trace_from_samples`.
+    """
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    for line, text in data_lines(path):
+        rows.append(parse_numbers(text.split(), COLUMNS, path=path, line=line))
+        lines.append(line)
+    matrices = np.array(rows).reshape(-1, 3, 4)
+    rotations, projected = _nearest_rotations(matrices[:, :, :3], path, lines)
+    from scipy.spatial.transform import Rotation
+
+    orientation: FloatArray = Rotation.from_matrix(Z_UP @ rotations).as_quat()
+    return trace_from_samples(
+        path.stem,
+        path,
+        lines,
+        time_s=_read_times(_times_path(path, selector), path, len(lines)),
+        position_m=matrices[:, :, 3] @ Z_UP.T,
+        orientation_xyzw=camera_from_optical(orientation),
+        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+    )
+
+
+def _times_path(path: Path, selector: str | None) -> Path:
+    if selector is not None:
+        return path.parent / selector
+    candidates = [path.with_name(f"{path.stem}-times.txt"), path.with_name("times.txt")]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    names = " or ".join(candidate.name for candidate in candidates)
+    raise InputError(
+        f"expected the times of the poses in {names} beside it, got neither; "
+        f"name the file after #, as in {path.name}#FILE",
+        path=path,
+    )
+
+
+def _read_times(path: Path, poses: Path, count: int) -> list[float]:
+    times = [
+        parse_numbers(text.split(), ("time",), path=path, line=line)[0]
+        for line, text in data_lines(path)
+    ]
+    if len(times) != count:
+        raise InputError(
+            f"expected {count} times, one for each pose of {poses.name}, got {len(times)}; "
+            "give the file that belongs to it",
+            path=path,
+        )
+    return times
+
+
+def _nearest_rotations(
+    matrices: FloatArray, path: Path, lines: list[int]
+) -> tuple[FloatArray, int]:
+    """Nearest rotation (polar decomposition) of each matrix, and how many were off noticeably."""
+    clipped = np.clip(matrices, -2.0, 2.0)  # what is larger is refused, and must not overflow
+    product = clipped @ np.swapaxes(clipped, 1, 2)
+    error = np.abs(product - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    wrong = np.flatnonzero((error > MAX_NORM_ERROR) | (np.linalg.det(clipped) <= 0.0))
+    if wrong.size:
+        raise InputError(
+            "expected the first three columns to be a rotation, got a matrix whose rows are not "
+            "right-handed unit vectors at right angles; check the order of the numbers",
+            path=path,
+            line=lines[int(wrong[0])],
+        )
+    left, _, right = np.linalg.svd(matrices)
+    return left @ right, int(np.sum(error > ROUNDING))
+
+
+def _recognises(head: list[str]) -> bool:
+    data = [line for line in head if not line.startswith("#")]
+    return bool(data) and len(data[0].split()) == len(COLUMNS) and "," not in data[0]
+
+
+FORMAT = TraceFormat(
+    "kitti",
+    "KITTI odometry poses, with their times in a second file",
+    _recognises,
+    read_kitti,
+)

@@ -1,0 +1,107 @@
+"""The native CSV: ``time_s,x_m,y_m,z_m,qx,qy,qz,qw,cut``, in the conventions of `camera`.
+
+Columns may stand in any order and ``cut`` (0 or 1) may be left out. A first line
+``# lodbench.trace/1 {...}`` carries name, origin and repairs as JSON; a file written by hand
+needs none. Numbers are written so that reading gives back every bit.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from ....base.errors import InputError
+from ..camera_trace import CameraTrace
+from ..native_columns import (
+    COLUMNS,
+    REQUIRED,
+    SCHEMA,
+    Header,
+    check_columns,
+    decode_header,
+    encode_header,
+)
+from ..samples import trace_from_samples
+from ..text_lines import data_lines, parse_numbers, read_lines
+from ..trace_format import TraceFormat, refuse_selector
+
+MARK = f"# {SCHEMA} "
+
+
+def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
+    """Camera trace of a native CSV file.
+
+    Raises `InputError` if the header or a row is not as this module says, or as
+    `trace_from_samples`.
+    """
+    refuse_selector(selector, path, "native CSV")
+    first = read_lines(path)[0]
+    header = _header(first, path)
+    numbered = data_lines(path)
+    line, text = next(numbered, (1, ""))
+    columns = [name.strip() for name in text.split(",")]
+    check_columns(columns, path, line)
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    for line, text in numbered:
+        rows.append(parse_numbers(text.split(","), columns, path=path, line=line))
+        lines.append(line)
+    table = np.array(rows).reshape(-1, len(columns))
+    required = table[:, [columns.index(name) for name in REQUIRED]]
+    cut = table[:, columns.index("cut")] if "cut" in columns else np.zeros(len(lines))
+    wrong = np.flatnonzero((cut != 0.0) & (cut != 1.0))
+    if wrong.size:
+        raise InputError(
+            f"expected cut to be 0 or 1, got {cut[wrong[0]]:g}; correct the row",
+            path=path,
+            line=lines[int(wrong[0])],
+        )
+    return trace_from_samples(
+        header.name,
+        path,
+        lines,
+        time_s=required[:, 0],
+        position_m=required[:, 1:4],
+        orientation_xyzw=required[:, 4:8],
+        cut=cut == 1.0,
+        origin_s=header.origin_s,
+        repairs=header.made_repairs(),
+    )
+
+
+def _header(first: str, path: Path) -> Header:
+    """Record in the first line, or the header of a file written by hand."""
+    if first.startswith(MARK):
+        return decode_header(first[len(MARK) :], path, 1)
+    family, version = SCHEMA.split("/")
+    if first.startswith(f"# {family}/"):
+        raise InputError(
+            f"expected version {version} of {family}, got {first[2:60]!r}; "
+            "write the trace with this version of lodbench",
+            path=path,
+            line=1,
+        )
+    return Header(path.stem)
+
+
+def write_csv(trace: CameraTrace, path: Path) -> None:
+    """Write a trace as native CSV."""
+    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(f"{MARK}{encode_header(trace).decode()}\n")
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(COLUMNS)
+        for row, cut in zip(numbers.tolist(), trace.cut.tolist(), strict=True):
+            rows.writerow([*row, int(cut)])
+
+
+def _recognises(head: list[str]) -> bool:
+    if head and head[0].startswith(MARK):
+        return True
+    data = [line for line in head if not line.startswith("#")]
+    return bool(data) and "time_s" in data[0].replace(" ", "").split(",")
+
+
+FORMAT = TraceFormat(
+    "csv", "native CSV: " + ",".join(COLUMNS), _recognises, read_csv, write_csv, (".csv",)
+)

@@ -1,0 +1,78 @@
+"""TUM RGB-D trajectories: ``timestamp tx ty tz qx qy qz qw``, seconds and metres.
+
+The format is that of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems",
+IROS 2012. The world frame has z up. The pose is that of the colour camera's optical frame, which
+looks along +z with x right and y down; half a turn about x makes it the camera frame used here.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ....base.errors import InputError
+from ..camera_trace import CameraTrace
+from ..orientation import camera_from_optical, optical_from_camera
+from ..samples import trace_from_samples
+from ..text_lines import data_lines, parse_numbers
+from ..trace_format import TraceFormat, refuse_selector
+
+COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
+
+
+def read_tum(path: Path, selector: str | None = None) -> CameraTrace:
+    """Camera trace of a TUM file.
+
+    Raises `InputError` if a row has not 8 finite numbers, or as `trace_from_samples`.
+    """
+    refuse_selector(selector, path, "TUM")
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    for line, text in data_lines(path):
+        rows.append(parse_numbers(text.split(), COLUMNS, path=path, line=line))
+        lines.append(line)
+    table = np.array(rows).reshape(-1, len(COLUMNS))
+    return trace_from_samples(
+        path.stem,
+        path,
+        lines,
+        time_s=table[:, 0],
+        position_m=table[:, 1:4],
+        orientation_xyzw=camera_from_optical(table[:, 4:8]),
+    )
+
+
+def write_tum(trace: CameraTrace, path: Path) -> None:
+    """Write a trace for tools that read TUM files; times include ``origin_s``.
+
+    Raises `InputError` if the trace has cuts, which the format cannot hold.
+    """
+    if trace.cut.any():
+        raise InputError(
+            f"expected a trace without cuts for TUM, got {trace.cut.sum()} cuts; "
+            "write csv or parquet",
+            path=path,
+        )
+    table = np.column_stack(
+        [
+            trace.origin_s + trace.time_s,
+            trace.position_m,
+            optical_from_camera(trace.orientation_xyzw),
+        ]
+    )
+    rows = (" ".join(map(repr, row)) for row in table.tolist())
+    path.write_text("\n".join([f"# {' '.join(COLUMNS)}", *rows, ""]), encoding="utf-8")
+
+
+def _recognises(head: list[str]) -> bool:
+    data = [line for line in head if not line.startswith("#")]
+    return bool(data) and len(data[0].split()) == len(COLUMNS) and "," not in data[0]
+
+
+FORMAT = TraceFormat(
+    "tum",
+    "TUM RGB-D: timestamp tx ty tz qx qy qz qw",
+    _recognises,
+    read_tum,
+    write_tum,
+    (".txt", ".tum"),
+)

@@ -1,0 +1,1 @@
+"""Camera traces that are made up."""

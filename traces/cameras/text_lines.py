@@ -1,0 +1,62 @@
+"""Lines and numbers of a text file, with errors that name the file and the line."""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ...base.errors import InputError
+from ...base.text_file import read_text
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a text file without their ends, whichever of the three kinds those are.
+
+    Raises
+    ------
+    InputError
+        As `read_text`.
+    """
+    return read_text(path).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def data_lines(path: Path) -> Iterator[tuple[int, str]]:
+    """1-based number and text of each line that is neither blank nor a ``#`` comment."""
+    for number, line in enumerate(read_lines(path), start=1):
+        text = line.strip()
+        if text and not text.startswith("#"):
+            yield number, text
+
+
+def parse_numbers(
+    fields: Sequence[str], names: Sequence[str], *, path: Path, line: int
+) -> list[float]:
+    """Finite numbers of one row, one for each column name.
+
+    Raises `InputError` if the row has more or fewer columns, or one is not a finite number.
+    """
+    if len(fields) != len(names):
+        raise InputError(
+            f"expected {len(names)} columns ({' '.join(names)}), got {len(fields)}; "
+            "complete or remove the row",
+            path=path,
+            line=line,
+        )
+    try:
+        numbers = list(map(float, fields))
+    except ValueError:
+        numbers = [math.nan]
+    if not all(map(math.isfinite, numbers)):
+        name, field = next(pair for pair in zip(names, fields, strict=True) if not _finite(pair[1]))
+        raise InputError(
+            f"expected a finite number for {name}, got {field[:40]!r}; correct or remove the row",
+            path=path,
+            line=line,
+        )
+    return numbers
+
+
+def _finite(field: str) -> bool:
+    try:
+        return math.isfinite(float(field))
+    except ValueError:
+        return False

@@ -1,0 +1,47 @@
+"""What a camera-trace format is: a name, how to recognise it, how to read and write it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...base.errors import InputError
+from .camera_trace import CameraTrace
+
+
+@dataclass(frozen=True, slots=True)
+class TraceFormat:
+    """One file format of camera traces.
+
+    Parameters
+    ----------
+    name
+        What the command line calls it.
+    what
+        One line for tables.
+    recognises
+        Takes the first non-blank lines (of a Parquet file, ``PAR1``) and says whether they are of
+        this format.
+    read
+        Takes the path and the part of the specification after ``#`` (None when there is none).
+    write
+        Writes a trace to a path; None where the format is only read.
+    suffixes
+        File names that `write_trace` takes for this format.
+    """
+
+    name: str
+    what: str
+    recognises: Callable[[list[str]], bool]
+    read: Callable[[Path, str | None], CameraTrace]
+    write: Callable[[CameraTrace, Path], None] | None = None
+    suffixes: tuple[str, ...] = ()
+
+
+def refuse_selector(selector: str | None, path: Path, name: str) -> None:
+    """Raise `InputError` if a selector was given to a format that holds one trace a file."""
+    if selector is not None:
+        raise InputError(
+            f"expected no selector, since a {name} file holds one trace, got #{selector}; "
+            "remove it",
+            path=path,
+        )

@@ -1,0 +1,1 @@
+"""Render logs and frame timings: reading, checking, writing."""

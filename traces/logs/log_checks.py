@@ -1,0 +1,209 @@
+"""What makes the times of a log unfit for a cost model, each with its own message.
+
+A finding that refuses says that the column carries no cost at all; the others say what to beware
+of.  The traps are those found in real logs.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .render_log import TIMES, FloatArray, RenderLog, TimeName
+
+# Refresh rates of displays in use, and half of them, at which frames that take two refreshes come.
+REFRESH_HZ = (24, 25, 30, 36, 40, 45, 48, 50, 60, 72, 75, 80, 90, 100, 120, 144, 165, 240, 360)
+
+_ENOUGH_FRAMES = 30  # below, nothing can be said of a distribution
+_SLOWEST_MS = 1e4  # longer is a pause, not a frame
+_CLUSTERED = 0.8  # share of frames within 3 % of a refresh of whole refreshes
+_NEAR = 0.03
+_LOCKED = 0.5  # resultant length of presents' phases in the refresh; noise alone gives n^(-1/2)
+_LOCKED_ENOUGH_FRAMES = 200
+_LONGEST = 4_000  # frames; longer, and the refresh would have to be known to a part in 10,000
+_MOST_STEPS = 2_000  # enough for 4,000 frames of 30 Hz
+_STALE = 0.05  # share of values that repeat the one before
+_COVERED = 0.9  # share of the elapsed time that the frames' times add up to
+_STILL = 0.05  # coefficient of variation of predictors, below which a view stands still
+_SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "swrast")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something about a log that a fit must know.
+
+    Attributes
+    ----------
+    kind : short name of the trap
+    column : the time that it is about, or "" for the whole log
+    refuse : whether a fit of that time would be worthless
+    message : what was found and what to do, one line
+    """
+
+    kind: str
+    column: str
+    refuse: bool
+    message: str
+
+    def __str__(self) -> str:
+        return self.message
+
+
+def check_log(log: RenderLog) -> tuple[Finding, ...]:
+    """Return what is wrong with a log, times in the order of `TIMES`, then the log as a whole."""
+    found: list[Finding | None] = []
+    for name in TIMES:
+        if name in log.times:
+            found += [check(log, name) for check in _CHECKS_OF_TIMES]
+    found += [check(log) for check in _CHECKS_OF_LOGS]
+    return tuple(finding for finding in found if finding is not None)
+
+
+def capped_at_hz(time_ms: FloatArray) -> float | None:
+    """Return the refresh rate that frame times are tied to, or None.
+
+    Either the times themselves cluster at multiples of the refresh, or, where the clock that took
+    them jitters, the moments of presenting do: phases of the cumulated times in a refresh then add
+    up to a long resultant (Rayleigh's test), while those of a free-running renderer drift through
+    all phases.
+    """
+    time_ms = time_ms[(time_ms > 0.0) & (time_ms < _SLOWEST_MS)]
+    if len(time_ms) < _ENOUGH_FRAMES:
+        return None
+    for rate in REFRESH_HZ:
+        refreshes: FloatArray = time_ms * (rate / 1e3)
+        whole: FloatArray = np.maximum(np.rint(refreshes), 1.0)
+        if np.mean(np.abs(refreshes - whole) < _NEAR) >= _CLUSTERED:
+            return float(rate)
+    if len(time_ms) < _LOCKED_ENOUGH_FRAMES:
+        return None
+    presented_s = np.cumsum(time_ms[-_LONGEST:]) / 1e3
+    return next((hz for rate in REFRESH_HZ if (hz := _locked_hz(presented_s, rate))), None)
+
+
+def _locked_hz(presented_s: FloatArray, rate: float) -> float | None:
+    """Return the rate within 0.5 % of `rate` to whose period moments are locked, or None.
+
+    The steps are a quarter of what n periods can tell apart.
+    """
+    span = 0.005 * rate
+    steps = int(min(8.0 * span * presented_s[-1], _MOST_STEPS)) + 3
+    best, best_hz = 0.0, rate
+    for hz in np.linspace(rate - span, rate + span, steps).tolist():
+        turns: FloatArray = 2.0 * np.pi * hz * presented_s
+        resultant = float(np.hypot(np.cos(turns).mean(), np.sin(turns).mean()))
+        best, best_hz = max((best, best_hz), (resultant, hz))
+    return best_hz if best >= _LOCKED else None
+
+
+def _capped(log: RenderLog, name: TimeName) -> Finding | None:
+    rate = capped_at_hz(log.time(name))
+    if rate is None:
+        return None
+    busy = [other for other in ("gpu_ms", "cpu_ms") if other in log.times and other != name]
+    advice = f"fit {' or '.join(busy)}" if busy else "log a busy time, or switch the cap off"
+    return Finding(
+        "capped",
+        name,
+        True,
+        f"{name} is tied to a clock of {rate:.4g} Hz (a refresh or a frame cap), so it carries no "
+        f"cost; {advice}",
+    )
+
+
+def _stale(log: RenderLog, name: TimeName) -> Finding | None:
+    time = log.time(name)
+    time = time[np.isfinite(time) & (time > 0.0)]
+    if len(time) < _ENOUGH_FRAMES:
+        return None
+    step: FloatArray = np.abs(np.diff(time))
+    repeats = np.count_nonzero(step == 0.0) / len(step)
+    # Times written to a tenth of a millisecond repeat too, but no oftener than they move by the
+    # least that they can.
+    least = float(step[step > 0.0].min(initial=np.inf))
+    nearly = np.count_nonzero((step > 0.0) & (step < 2.5 * least)) / len(step)
+    if repeats <= max(_STALE, nearly):
+        return None
+    message = (
+        f"{name} repeats the value before in {repeats:.0%} of frames: read-back is late, so rows "
+        "pair a time with another frame's predictors; average over some frames, or log later"
+    )
+    return Finding("stale", name, False, message)
+
+
+def _unmeasured(log: RenderLog, name: TimeName) -> Finding | None:
+    time = log.time(name)
+    bad = float(np.mean(~(time > 0.0)))
+    if bad <= 0.5:
+        return None
+    message = (
+        f"{name} is missing, zero or negative in {bad:.0%} of frames: the tool did not have it"
+    )
+    return Finding("unmeasured", name, True, message)
+
+
+def _software_timer(log: RenderLog, name: TimeName) -> Finding | None:
+    renderer = " ".join(value for _, value in log.header).lower()
+    if name != "gpu_ms" or not any(software in renderer for software in _SOFTWARE):
+        return None
+    message = (
+        "gpu_ms is a software rasteriser's timer query, which ends before rasterisation does; "
+        "fit frame_ms"
+    )
+    return Finding("software-timer", name, True, message)
+
+
+def _sampled(log: RenderLog) -> Finding | None:
+    if log.time_s is None or log.frame_ms is None:
+        return None
+    good = np.isfinite(log.time_s) & (log.frame_ms > 0.0) & (log.frame_ms < _SLOWEST_MS)
+    clock, total_s = log.time_s[good], float(log.frame_ms[good].sum()) / 1e3
+    span = float(clock[-1] - clock[0]) if len(clock) > 1 else 0.0
+    if span <= 0.0 or total_s >= _COVERED * span:
+        return None
+    message = (
+        f"frame times add up to {total_s / span:.1%} of the elapsed {span:.4g} s: the log is "
+        "sampled, so successive rows are not successive frames; log every frame"
+    )
+    return Finding("sampled", "", False, message)
+
+
+def _backwards(log: RenderLog) -> Finding | None:
+    if log.time_s is None:
+        return None
+    clock = log.time_s[np.isfinite(log.time_s)]
+    back = int((clock[1:] < clock[:-1]).sum())
+    if back == 0:
+        return None
+    message = (
+        f"time runs backwards {back} times: several captures, processes or swap chains in one "
+        "file; split it"
+    )
+    return Finding("backwards", "", False, message)
+
+
+def _still(log: RenderLog) -> Finding | None:
+    if not log.predictors or len(log) < 2:
+        return None
+    counts = log.counts[np.isfinite(log.counts).all(axis=1)]
+    if len(counts) < 2:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):  # counts near the largest number
+        mean = counts.mean(axis=0)
+        varied = counts.std(axis=0)[mean > 0.0] / mean[mean > 0.0]
+    if not len(varied) or not varied.max() < _STILL:
+        return None
+    message = (
+        f"no predictor varies by more than {varied.max():.1%}: the view stands still, and cost "
+        "cannot be told apart from set-up; log a walk through different views"
+    )
+    return Finding("still", "", True, message)
+
+
+_CHECKS_OF_TIMES: tuple[Callable[[RenderLog, TimeName], Finding | None], ...] = (
+    _capped,
+    _stale,
+    _unmeasured,
+    _software_timer,
+)
+_CHECKS_OF_LOGS: tuple[Callable[[RenderLog], Finding | None], ...] = (_sampled, _backwards, _still)

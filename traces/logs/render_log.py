@@ -1,0 +1,183 @@
+"""Render logs: what was drawn in each frame, and how long it took.
+
+Every frame of the file is kept.  Which of them can serve as measurements depends on the time that
+is asked about, so `measurable` says it for one time column and counts what it leaves out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+TimeName = Literal["frame_ms", "gpu_ms", "cpu_ms"]
+
+TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
+
+# The names of the cost model's predictors; a test holds them against `models.predictors`, which
+# this package may not import.
+GPU_COUNTS = (
+    "draw_calls",
+    "vertices",
+    "triangles",
+    "skinned_vertices",
+    "textured_triangles",
+    "splats",
+    "texture_bytes",
+    "shaded_samples",
+    "rasterized_triangles",
+    "framebuffer_pixels",
+    "state_changes",
+)
+CPU_COUNTS = (
+    "objects_visited",
+    "comparisons",
+    "iterations",
+    "levels_extracted",
+    "triangles_extracted",
+    "levels_borrowed",
+    "draw_calls",
+    "objects_culled",
+)
+
+# Compilation and first uploads: real times, but of work that no predictor counts.  In logs of
+# llvmpipe the first three frames take up to three times what later ones with as much to draw do.
+FIRST_FRAMES = 3
+
+# A 32-bit counter of ns, µs or 100 ns ticks that ran over, as OpenGL's timer query before its
+# first result: 2^32 ns = 4294.967 ms, and so on.
+_WRAPPED_MS = (2.0**32 / 1e6, 2.0**31 / 1e6, 2.0**32 / 1e4, 2.0**32 / 1e3)
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """Frames left out for one reason."""
+
+    count: int
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.count} {self.reason}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RenderLog:
+    """One value of each column per frame, in the order of the file.
+
+    Attributes
+    ----------
+    name : what tables call it
+    format : the format it was read as
+    predictors : names of P columns, each of `GPU_COUNTS` or `CPU_COUNTS`, or one type's part of
+        it, such as ``triangles[tree]``
+    counts : (n, P) float64, NaN where the file has none
+    frame_ms, gpu_ms, cpu_ms : (n,) float64 or None, NaN where the file has none
+    time_s : (n,) float64 or None
+        Time of the frame on the log's own clock.
+    header : pairs of key and value from the file's comments or metadata
+    notes : what the reader assumed or left aside, one sentence each
+    """
+
+    name: str
+    format: str
+    predictors: tuple[str, ...]
+    counts: FloatArray
+    frame_ms: FloatArray | None = None
+    gpu_ms: FloatArray | None = None
+    cpu_ms: FloatArray | None = None
+    time_s: FloatArray | None = None
+    header: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        frames, width = len(self.counts), len(self.predictors)
+        put = object.__setattr__
+        put(self, "counts", _read_only(self.counts, (frames, width), "counts"))
+        for name in (*TIMES, "time_s"):
+            values = getattr(self, name)
+            if values is not None:
+                put(self, name, _read_only(values, (frames,), name))
+        known = (*GPU_COUNTS, *CPU_COUNTS)
+        unknown = [name for name in self.predictors if name.partition("[")[0] not in known]
+        if unknown or len(set(self.predictors)) != width:
+            raise InputError(f"render log: expected distinct known predictors, got {unknown}")
+        if frames == 0:
+            raise InputError("render log: expected at least one frame, got none")
+
+    def __len__(self) -> int:
+        return len(self.counts)
+
+    @property
+    def times(self) -> tuple[TimeName, ...]:
+        """Names of the times that the log has."""
+        return tuple(name for name in TIMES if getattr(self, name) is not None)
+
+    def time(self, name: TimeName) -> FloatArray:
+        """Return a column of times in milliseconds, (n,).
+
+        Raises `InputError` if the log has no such time.
+        """
+        values = getattr(self, name, None)
+        if values is None:
+            have = ", ".join(self.times) or "none"
+            raise InputError(f"{self.name}: expected the time {name}, got a log with {have}")
+        return values
+
+    def columns(self, names: Sequence[str]) -> FloatArray:
+        """Return predictors side by side, (n, len(names)).
+
+        Raises `InputError` if the log lacks one, naming all that are missing and all that are
+        there.
+        """
+        missing = [name for name in names if name not in self.predictors]
+        if missing:
+            have = ", ".join(self.predictors) or "no predictors at all"
+            raise InputError(
+                f"{self.name}: expected the predictors {', '.join(missing)}, got a log with "
+                f"{have}; map the columns that hold them, or fit fewer terms"
+            )
+        return self.counts[:, [self.predictors.index(name) for name in names]]
+
+
+def _read_only(values: FloatArray, shape: tuple[int, ...], name: str) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    if array.shape != shape:
+        raise InputError(f"render log {name}: expected shape {shape}, got {array.shape}")
+    array.flags.writeable = False
+    return array
+
+
+def measurable(
+    log: RenderLog, target: TimeName, names: Sequence[str], *, first_frames: int = FIRST_FRAMES
+) -> tuple[BoolArray, tuple[Rejection, ...]]:
+    """Return which frames measure `target` against predictors, (n,), and the others by reason.
+
+    A frame is counted once, for the first reason that holds.
+
+    Raises `InputError` if the log lacks the time or a predictor.
+    """
+    time, counts = log.time(target), log.columns(names)
+    wrapped = np.zeros(len(log), dtype=np.bool_)
+    for limit in _WRAPPED_MS:
+        wrapped |= np.abs(time - limit) < 1e-6 * limit
+    reasons = (
+        (f"{target} that is missing or not finite", ~np.isfinite(time)),
+        (f"{target} that is zero or negative", ~(time > 0.0)),
+        (f"{target} of a timer that ran over", wrapped),
+        ("a predictor that is missing or negative", ~(counts >= 0.0).all(axis=1)),
+        ("a predictor that is not finite", ~np.isfinite(counts).all(axis=1)),
+        (f"first frames (1 to {first_frames})", np.arange(len(log)) < first_frames),
+    )
+    left = np.ones(len(log), dtype=np.bool_)
+    rejections: list[Rejection] = []
+    for reason, bad in reasons:
+        count = int((left & bad).sum())
+        left &= ~bad
+        if count:
+            rejections.append(Rejection(count, reason))
+    return left, tuple(rejections)
