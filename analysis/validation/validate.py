@@ -1,4 +1,4 @@
-"""Hold simulated replays against recorded ones: frame by frame, metric by metric, rank by rank."""
+"""Compare simulated replays with recorded ones: frame by frame, metric by metric, rank by rank."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> N
 
 
 def require_priced(hardware: HardwareProfile) -> None:
-    """Raise InputError unless a profile's model can be held against what is recorded."""
+    """Raise InputError unless a profile's model can be compared with what is recorded."""
     costs = hardware.gpu
     if costs.has_roofline:
         raise InputError(
