@@ -42,8 +42,8 @@ class HlodHysteresis:
     bounding sphere's disc; visibility falls from 1 at the frustum's edge to 0 straight behind;
     distance is at least the radius, and is taken from where the camera will be in `lead_s`.  The
     rates of the two loops are ours.  Foreshortening needs average normals, which a scene does not
-    have, and is 1.  A node that is drawn together with its children takes its own need from the slice
-    first and leaves them the rest.
+    have, and is 1.  A node that is drawn together with its children takes its own need from the
+    slice first and leaves them the rest.
 
     The loader is asked for all nodes that are visited, by priority, also those of refused families
     and those outside the frustum.

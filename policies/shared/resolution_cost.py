@@ -82,7 +82,6 @@ class ResolutionCosts:
         self._geometry_line = _line_above(levels, self._geometry[:, 0])
         self._full = self._geometry[levels.start[:-1], 1]
         self._exact = self._linear_line.exact and self._geometry_line.exact
-        # A tangent touches a concave cost in one point and is above it elsewhere.
         self._exact &= scene.costs.rasterized_ms == 0.0
         self._low = np.maximum(levels.min_resolution, _LEAST_RESOLUTION)
 
@@ -96,10 +95,10 @@ class ResolutionCosts:
         """Return the allocation problem of a frame."""
         fixed, slow, cost, low = self.stretches(view)
         bottom = self.lowest(view)
+        # Two pieces make r = x₁ + x₂ - kink, at fixed + cost · x₁ + slow · (x₂ - kink).  The
+        # constant slow · kink goes to the budget below, so that Σ cost · x is left to be paid.
         second = np.flatnonzero((cost > slow) & (low > bottom) & (slow > 0.0))
         left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.frame_ms(view)
-        # With two pieces r = x₁ + x₂ - kink, which costs fixed + cost · x₁ + slow · (x₂ - kink).
-        # The constant slow · kink goes to the budget, so that Σ cost · x is left to be paid.
         left_ms -= float(fixed.sum()) - float(slow[second] @ low[second])
         # Lines above the true cost may refuse full detail that fits, so that is asked of the model.
         if not self._exact and self.predict_ms(view, self.finest(view)) <= budget_ms:
@@ -129,7 +128,6 @@ class ResolutionCosts:
         hidden = np.where(bent, under, np.maximum(under, pixel_ms))
         hidden += float(costs.linear_ms[SHADED_SAMPLES]) * view.area_px
         bottom = self.lowest(view)
-        # Costs of rasterized triangles belong to neither side of the roofline: they add to both.
         if costs.rasterized_ms:
             start, rise = self._tangent(view, bottom)
             hidden, slow = hidden + start, slow + rise
@@ -149,7 +147,6 @@ class ResolutionCosts:
         samples = view.covered_px
         at = np.clip(samples / np.maximum(triangles, 1.0), bottom, 1.0)
         share = samples / np.maximum(at * triangles, 1e-9)
-        # N (1 - exp(-S / N)) and its derivative at N = at · triangles; expm1 keeps small shares.
         reached = -np.expm1(-share)
         slope = triangles * (reached - share * np.exp(-share))
         start = at * (triangles * reached - slope)
