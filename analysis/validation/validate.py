@@ -74,7 +74,7 @@ def require_priced(hardware: HardwareProfile) -> None:
     costs = hardware.gpu
     if costs.has_roofline:
         raise InputError(
-            f"--hardware {hardware.name}: expected a linear model to hold against logs, whose "
+            f"--hardware {hardware.name}: expected a linear model to compare with logs, whose "
             "sums do not tell the sides of a roofline, got a roofline; fit single predictors"
         )
     for name in UNRECORDED:
