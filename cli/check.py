@@ -44,7 +44,7 @@ def check(
     hardware: Annotated[
         str, typer.Option(help="A bundled profile, or a TOML file.")
     ] = "desktop-assumed",
-    baseline: Annotated[Path, typer.Option(help="What relative limits compare with.")] = Path(
+    baseline: Annotated[Path, typer.Option(help="What relative limits are held against.")] = Path(
         "baseline.json"
     ),
     update_baseline: Annotated[

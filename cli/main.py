@@ -61,7 +61,7 @@ COMMANDS = {
     "validate": Command(
         "validate",
         "validate",
-        "Compare simulated with measured: errors of frame times, metrics, and order of policies.",
+        "Hold simulated against measured: errors of frame times, metrics, and order of policies.",
     ),
     "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
     "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),

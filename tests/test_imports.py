@@ -108,7 +108,7 @@ def test_tests_import_as_users_do(path: Path) -> None:
 
 
 def test_nobody_imports_pandas_or_simpy() -> None:
-    """The one place that may import simpy is the benchmark that is measured beside it."""
+    """The one place that may import simpy is the benchmark that is held against it."""
     benchmarks = ROOT / "tests" / "benchmarks"
     guilty = [
         f"{name_of(path)}:{line}"

@@ -1,4 +1,4 @@
-"""The stored baseline: what relative limits compare with, as one JSON file to commit."""
+"""The stored baseline: what relative limits are held against, as one JSON file to commit."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields

@@ -19,7 +19,7 @@ TimeName = Literal["frame_ms", "gpu_ms", "cpu_ms"]
 
 TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 
-# The names of the cost model's predictors; a test compares them with `models.predictors`, which
+# The names of the cost model's predictors; a test holds them against `models.predictors`, which
 # this package may not import.
 GPU_COUNTS = (
     "draw_calls",
