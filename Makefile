@@ -1,8 +1,8 @@
 # make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
 # make test      quick tests          make test-slow   the others
 # make check     format, lint, types and every command that the documentation shows
-# make bench     speed, held against simpy
-# make docs      generated tables of the documentation
+# make bench     speed, beside simpy's
+# make docs      generated parts of the documentation, and its site in out/site
 # make validation  measure this machine with OpenGL, and write what docs/validation.md reports
 #
 # Everything happens in .venv, made from the first Python >= 3.11 found, or from PYTHON=...
@@ -36,6 +36,8 @@ bench: .venv/.installed-bench
 
 docs: .venv/.installed-dev
 	$(BIN)/python docs/scripts/build_tables.py
+	$(BIN)/python docs/scripts/floors.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
 
 validation: .venv/.installed-dev

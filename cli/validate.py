@@ -87,7 +87,7 @@ def validate(
     ] = "shrink",
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
-    """Hold simulated against measured: errors of frame times, metrics, and order of policies."""
+    """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
     from ..analysis.study.compare import CompareOptions
     from ..analysis.study.inputs import load_trace
     from ..analysis.validation import replays as run

@@ -57,7 +57,7 @@ class ReplayOptions:
         What the timers get wrong.
     bound_every : int
         Compute the bound behind `optimality` in every so many frames, 0 for never; flat scenes
-        only.  Frames of an oracle are always held against it.
+        only.  Frames of an oracle always have it.
     draw : int or None
         Posterior draw that plays the truth; None for the profile's mean.
     memory_bytes : float or None

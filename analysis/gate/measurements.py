@@ -81,7 +81,7 @@ class Measured:
     scores : dict of str to Score
         Mean over seeds, and the interval over resamples and draws of the cost model.
     paired : dict of str to (R,) float64
-        Resampled means over seeds under the profile's own cost model, to be held against the same
+        Resampled means over seeds under the profile's own cost model, to be compared with the same
         of a baseline.
     logs : tuple of FrameLog
         One a seed.

@@ -60,7 +60,7 @@ class Run:
 
     @cached_property
     def work_ms(self) -> FloatArray:
-        """Larger of CPU and GPU time: what the budget is held against, never quantised."""
+        """Larger of CPU and GPU time: what a budget limits, never quantised."""
         return np.maximum(self["cpu_ms"], self["gpu_ms"])
 
     @cached_property

@@ -1,7 +1,7 @@
 """Steps in the visible load, and how a run answers each.
 
 The load is ``full_gpu_ms``: the noise-free GPU time had everything in view been drawn at full
-detail.  No decision of a policy changes it, so that every policy is held against the same steps.
+detail.  No decision of a policy changes it, so that every policy is judged at the same steps.
 """
 
 from dataclasses import dataclass

@@ -32,7 +32,7 @@ METRIC_OF: dict[Badness, str] = {
     "toggles": "toggles_per_frame",
     "lag": "lag_ms_p99",
 }
-"""The metric that each kind of badness is; the overshoot is held against the budget."""
+"""The metric that each kind of badness is; the overshoot is over the budget."""
 
 _RATE_HZ = 60.0
 _SCATTERED = 0.5  # share of the evaluations that are no local search

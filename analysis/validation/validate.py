@@ -1,4 +1,4 @@
-"""Hold simulated replays against recorded ones: frame by frame, metric by metric, rank by rank."""
+"""Compare simulated replays with recorded ones: frame by frame, metric by metric, rank by rank."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -70,11 +70,11 @@ def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> N
 
 
 def require_priced(hardware: HardwareProfile) -> None:
-    """Raise InputError unless a profile's model can be held against what is recorded."""
+    """Raise InputError unless a profile's model can be compared with what is recorded."""
     costs = hardware.gpu
     if costs.has_roofline:
         raise InputError(
-            f"--hardware {hardware.name}: expected a linear model to hold against logs, whose "
+            f"--hardware {hardware.name}: expected a linear model to compare with logs, whose "
             "sums do not tell the sides of a roofline, got a roofline; fit single predictors"
         )
     for name in UNRECORDED:

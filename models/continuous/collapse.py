@@ -67,6 +67,8 @@ def contract(
     fixed : (V,), optional
         Positions that never move.
     """
+    # To unit size about the origin: quadrics hold squares of coordinates, whose digits a mesh far
+    # from the origin would lose, and thresholds need no unit.
     low = poses.min(axis=(0, 1))
     size = float(np.ptp(poses, axis=1).max()) or 1.0
     surface = _Surface((poses - low) / size, faces, faces if drawn is None else drawn, fixed)
@@ -113,10 +115,13 @@ class _Surface:
         while self._queue:
             candidate = heappop(self._queue)
             _, v, u, age_v, age_u = candidate
+            # A heap cannot change a key: an entry whose vertices have changed since is passed over,
+            # as a fresh one was queued when they changed.
             if self._age[v] != age_v or self._age[u] != age_u:
                 continue
             plan = self._plan(v, u)
             if plan is None:
+                # Perhaps allowed once a neighbour has collapsed: `_collapse` queues it again.
                 self._waiting.setdefault(v, []).append(candidate)
             else:
                 self._collapse(v, u, plan)
@@ -143,6 +148,7 @@ class _Surface:
             return
         pairs = np.array(edges)
         v, u = pairs[:, 0], pairs[:, 1]
+        # Garland and Heckbert's error of both vertices, at the place of the one that stays.
         costs = np.einsum("ij,ij->i", self._quadric[v] + self._quadric[u], self._monomials[u])
         for cost, (a, b) in zip(costs.tolist(), edges, strict=True):
             heappush(self._queue, (cost, a, b, self._age[a], self._age[b]))
@@ -153,17 +159,24 @@ class _Surface:
         if not 0 < len(removed) <= _MAX_FACES_REMOVED:
             return None
         around = self._around(v)
+        # On a border or a non-manifold edge v may only follow that curve: it must have exactly two
+        # such edges, and u must lie at the end of one.
         irregular = [other for other, count in around.items() if count != 2]
         if irregular and (len(irregular) != 2 or u not in irregular):
             return None
+        # Link condition: the tips of the triangles that go are the only common neighbours.  The
+        # two edges to any other would become one, and the surface would be pinched there.
         opposite = {x for row in removed for x in self._corners[row]} - {v, u}
         if (around.keys() & self._around(u).keys()) != opposite:
             return None
         moved = self._faces_at[v] - removed
+        # A triangle of v on two of the tips would become (u, tip, tip), which may be there already.
         if any(opposite.issuperset(set(self._corners[row]) - {v}) for row in moved):
             return None
+        # Each corner that stays keeps a triangle, so that no piece of the mesh vanishes.
         if not all(self._faces_at[x] - removed for x in (u, *opposite)):
             return None
+        # Every drawn vertex at v needs one at u on its own side of a seam.
         plan = self._substitutes(v, u, removed)
         if plan is None or any(self._drawn_at(row, v) not in plan for row in moved):
             return None
@@ -186,6 +199,7 @@ class _Surface:
         for row in moved:
             corners = self._corners[row]
             at = corners.index(v)
+            # The corner after v, then the one before it: the triangle keeps its sense of rotation.
             ends.append([corners[at - 2], corners[at - 1]])
         b, c = np.array(ends).T
         x = self._poses
@@ -197,6 +211,8 @@ class _Surface:
         length = np.einsum("pij,pij->pi", before, before) * size
         side = x[:, [u]] - x[:, b]
         longest = np.maximum((edge * edge).sum(axis=2), (side * side).sum(axis=2))
+        # `size` is the square of twice the area, and `longest` a squared length: the ratio of their
+        # roots is height over length.
         thin = size <= (_LEAST_HEIGHT * longest) ** 2
         return bool((thin | (dot <= _LEAST_COSINE * np.sqrt(length))).any())
 
@@ -219,9 +235,12 @@ class _Surface:
                 self._drawn[row][at] = plan[self._drawn[row][at]]
                 self._faces_at[u].add(row)
         self._faces_at[v] = set()
+        # No entry was ever queued at this age, so v never moves again.
         self._age[v] = -1
         self._age[u] += 1
+        # u answers for the planes of all that it stands for, so errors add up from the full mesh.
         self._quadric[u] += self._quadric[v]
+        # Only edges at u have another cost now, and only v's neighbours other triangles.
         ring = list(self._around(u))
         edges = [(w, u) for w in ring if w not in self._fixed]
         if u not in self._fixed:

@@ -82,6 +82,7 @@ class Foliage:
         least = self.full - self.steps
         if not least <= count <= self.full:
             raise InputError(f"leaves: expected {least} to {self.full}, got {count}")
+        # Every step puts one leaf in the place of two, so it takes one off the count.
         step = self.full - count
         born = np.arange(len(self.died)) - self.full
         return np.flatnonzero((born < step) & (self.died >= step)).astype(np.int32)
@@ -107,10 +108,12 @@ def collapse_leaves(leaves: Leaves, *, least: int = 1) -> Foliage:
     """
     if not 1 <= least <= len(leaves):
         raise InputError(f"least: expected 1 to {len(leaves)} leaves, got {least}")
+    # Each of the N - least collapses makes one leaf: 2 N - least rows in all.
     parts, died, alive = [leaves], np.full(2 * len(leaves) - least, -1), np.arange(len(leaves))
     step = 0
     everything = leaves
     while len(alive) > least:
+        # A pair takes one leaf off the count: no more pairs than leaves too many.
         pairs = _pairs(everything.at(alive))[: len(alive) - least]
         merged = _merge(everything.at(alive[pairs[:, 0]]), everything.at(alive[pairs[:, 1]]))
         when = step + np.arange(len(pairs))
@@ -140,9 +143,11 @@ def _pairs(leaves: Leaves) -> IntArray:
     """Return disjoint pairs of near leaves, cheapest first, (n, 2)."""
     from scipy.spatial import KDTree
 
+    # One more than wanted, as every leaf is its own nearest neighbour.
     count = min(_NEIGHBOURS + 1, len(leaves))
     near = np.asarray(KDTree(leaves.center_m).query(leaves.center_m, k=count)[1])
     first = np.repeat(np.arange(len(leaves)), count)
+    # Pairs come from both their ends; sorted, each is kept once.
     pairs = np.sort(np.stack((first, near.ravel()), axis=1), axis=1)
     pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
     order = np.argsort(_cost(leaves, pairs), kind="stable")
@@ -163,8 +168,12 @@ def _cost(leaves: Leaves, pairs: IntArray) -> FloatArray:
     area, normal = leaves.area_m2, np.cross(leaves.along_m, leaves.across_m)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     a, b = pairs.T
+    # Steiner's theorem: about the common centre, two areas have A · B / (A + B) · d² more than
+    # each has about its own.
     apart = ((leaves.center_m[a] - leaves.center_m[b]) ** 2).sum(axis=1)
     skew = 1.0 - np.einsum("ij,ij->i", normal[a], normal[b]) ** 2
+    # Turning the smaller leaf into the other's plane moves it by its own extent: the second moment
+    # of a square of that area, A² / 12.
     smaller = np.minimum(area[a], area[b])
     return area[a] * area[b] / (area[a] + area[b]) * apart + skew * smaller**2 / 12.0
 
@@ -178,10 +187,13 @@ def _merge(a: Leaves, b: Leaves) -> Leaves:
     moment = np.zeros((len(area), 3, 3))
     for share, leaf in zip(shares, (a, b), strict=True):
         offset = leaf.center_m - center
+        # A uniform stretch from -u to u has second moment u² / 3; the offset counts in full.
         for weight, rows in ((1.0 / 3.0, leaf.along_m), (1.0 / 3.0, leaf.across_m), (1.0, offset)):
             moment += (weight * share)[:, None, None] * rows[:, :, None] * rows[:, None, :]
+    # Ascending: the last two axes span the plane of the new leaf, the first is its normal.
     values, axes = np.linalg.eigh(moment)
     long, short = np.sqrt(values[:, 2]), np.sqrt(values[:, 1])
+    # 4 · long · short · scale² is the area of both: what leaves cover is kept.
     scale = np.sqrt(area / (4.0 * long * short))
     return Leaves(
         center, axes[:, :, 2] * (scale * long)[:, None], axes[:, :, 1] * (scale * short)[:, None]

@@ -25,6 +25,7 @@ def foliage_type(
     if not 2 <= knots <= 256:
         raise InputError(f"knots: expected 2 to 256, got {knots}")
     fewest = min(max(least, foliage.full - foliage.steps), foliage.full)
+    # Few leaves may round to one count twice: knots are distinct, so there may be fewer.
     wanted = np.geomspace(foliage.full, fewest, knots).round().astype(np.int64)
     levels = [foliage.leaves.at(foliage.extract(int(n))) for n in np.unique(wanted)[::-1]]
     meter = ErrorMeter(*leaf_triangles(levels[0]), sampling)
@@ -34,6 +35,8 @@ def foliage_type(
     for column, values in (("draw_calls", 1), ("vertices", 4 * leaves), ("triangles", 2 * leaves)):
         counts[:, LEVEL_PREDICTORS.index(column)] = values
     meshes = tuple(_mesh(level) for level in levels)
+    # Sampling may find a coarser knot nearer than a finer one; policies count on errors that
+    # never fall.
     return TypeModel(name, meshes, counts, np.maximum.accumulate(errors), continuous=True)
 
 

@@ -54,9 +54,11 @@ class IndexSet:
         mesh, before = self._mesh, len(self.faces)
         step = mesh.step_of(triangles)
         after, active = int(mesh.faces_after[step]), int(mesh.vertices_after[step])
+        # Substitutes lead to coarser vertices only: what is drawn now is a start for coarsening.
         source = self._faces if step >= self._step else mesh.restart_at(step).faces
         fresh = source[:after].copy()
         visited = fresh.size + substitute(fresh, mesh.target, active)
+        # Triangles of both sets stand in the same rows; the others are new, or cut off at the end.
         kept = min(before, after)
         differs = fresh[:kept] != self._faces[:kept]
         self._faces[:after] = fresh

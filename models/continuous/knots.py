@@ -93,6 +93,7 @@ def build_continuous(
     for count in _knot_counts(surface.ordered, options)[1:]:
         faces, part, uv_index = surface.extract(int(count))
         meshes.append(level_mesh(full, full.positions, faces, part, uv_index))
+        # Sampling may find a coarser knot nearer than a finer one; see the docstring.
         errors.append(max(errors[-1], meter.error_m(full.positions, faces)))
     counts = np.stack([level_counts(full, mesh) for mesh in meshes])
     return TypeModel(full.name, tuple(meshes), counts, np.array(errors), continuous=True)
@@ -101,7 +102,9 @@ def build_continuous(
 def _knot_counts(ordered: OrderedMesh, options: KnotOptions) -> IntArray:
     """Return distinct numbers of triangles that can be had, falling."""
     least, full = int(ordered.faces_after[-1]), int(ordered.faces_after[0])
+    # `min_triangles` may lie below what the mesh collapses to, or above the full mesh.
     end = min(max(least, options.min_triangles), full)
     wanted: FloatArray = np.geomspace(full, end, options.knots)
+    # A step removes up to three triangles, so that several counts may lead to one step.
     steps = [ordered.step_of(int(count)) for count in np.clip(np.round(wanted), least, full)]
     return ordered.faces_after[np.unique(steps)]

@@ -72,6 +72,7 @@ class OrderedMesh:
         least, full = int(self.faces_after[-1]), int(self.faces_after[0])
         if not least <= triangles <= full:
             raise InputError(f"triangles: expected {least} to {full}, got {triangles}")
+        # Counts fall, and search wants them to rise.
         return int(np.searchsorted(-self.faces_after, -triangles))
 
     def restart_at(self, step: int) -> Restart:
@@ -113,10 +114,14 @@ def order_mesh(
     """
     if max_overhead is not None and not max_overhead > 0.0:
         raise InputError(f"max_overhead: expected above 0, got {max_overhead}")
+    # What is never removed has step S, so it comes first: the coarsest mesh heads both lists.
+    # Stable, so that the same mesh is ordered alike on every machine.
     by_vertex = np.argsort(-contraction.vertex_step, kind="stable")
     by_face = np.argsort(-contraction.face_step, kind="stable")
     rank = np.empty(len(by_vertex), dtype=np.int32)
     rank[by_vertex] = np.arange(len(by_vertex))
+    # A substitute outlives what it stands for, so it stands earlier: chains lead down the list
+    # and end.
     target = rank[contraction.target[by_vertex]]
     vertices_after = _active(contraction.vertex_step, contraction.steps)
     faces_after = _active(contraction.face_step, contraction.steps)
@@ -126,6 +131,7 @@ def order_mesh(
         over = _overhead(last, target, vertices_after, faces_after) > max_overhead
         if not over.any():
             break
+        # A fresh list has no overhead at its own step, so the next one comes later: this ends.
         step = last.step + int(over.argmax())
         faces = last.faces[: faces_after[step]].copy()
         substitute(faces, target, int(vertices_after[step]))
@@ -136,6 +142,8 @@ def order_mesh(
 def substitute(faces: IntArray, target: IntArray, active: int) -> int:
     """Walk the chain of every corner to an active vertex, in place; return the vertices visited."""
     corners, hops = faces.reshape(-1), 0
+    # Active vertices are a prefix, so one comparison tells them.  All corners hop together, and
+    # those that have arrived drop out.
     moving = np.flatnonzero(corners >= active)
     while len(moving):
         hops += len(moving)
@@ -162,8 +170,10 @@ def _overhead(
     until the triangle is removed itself.
     """
     steps = len(faces_after) - 1
+    # Row i goes in the first step after which no more than i rows are left.
     removed_face = np.searchsorted(-faces_after, -np.arange(len(restart.faces)), side="left")
     removed_vertex = np.searchsorted(-vertices_after, -np.arange(len(target)), side="left")
+    # Where links begin and end to count; one running sum then gives how many do at each step.
     change = np.zeros(steps + 2)
     corner = restart.faces.reshape(-1)
     until = np.repeat(removed_face, 3)

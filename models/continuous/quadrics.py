@@ -43,16 +43,20 @@ def surface_quadrics(poses: FloatArray, faces: IntArray) -> FloatArray:
         normal = np.cross(b - a, c - a)
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         unit = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+        # A cross product is twice the area.
         weight = np.sqrt(0.5 * length[:, 0])
         planes = _plane_quadrics(unit, a, weight)
         for i in range(3):
+            # `add.at`, because plain indexing would add only one of a vertex's triangles.
             np.add.at(result[:, columns], faces[:, i], planes)
             for axis in np.eye(3):
+                # The squared distance to a point is the sum of those to three planes through it.
                 own = np.broadcast_to(axis, unit.shape)
                 pull = _plane_quadrics(own, points[faces[:, i]], _PULL * weight)
                 np.add.at(result[:, columns], faces[:, i], pull)
         start, end = faces[border, corner], faces[border, (corner + 1) % 3]
         edge = points[end] - points[start]
+        # Normal of the plane through the edge that stands upright on its triangle.
         side = np.cross(edge, unit[border])
         size = np.linalg.norm(side, axis=1, keepdims=True)
         side = np.divide(side, size, out=np.zeros_like(side), where=size > 0)
@@ -75,6 +79,7 @@ def _border_edges(faces: IntArray) -> tuple[IntArray, IntArray]:
 def _plane_quadrics(normal: FloatArray, point: FloatArray, weight: FloatArray) -> FloatArray:
     """Return weighted quadrics of planes through the points, (n, 10)."""
     offset = -np.einsum("ij,ij->i", normal, point)
+    # Products of two different values occur twice in the square of normal · x + offset.
     columns = _products(np.column_stack((normal, offset))) * weight[:, None]
     return columns * np.array([1.0, 2.0, 2.0, 2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
 

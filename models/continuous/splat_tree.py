@@ -65,13 +65,16 @@ class SplatTree:
         require_finite(area, "leaf area_m2", low=np.finfo(float).tiny)
         order, size, start = np.arange(n), np.array([n]), np.array([0])
         while size.max() > 1:
+            # All nodes of one depth at a time: each is a range of `order`.
             low = np.minimum.reduceat(position[order], start)
             high = np.maximum.reduceat(position[order], start)
             axis = np.repeat((high - low).argmax(axis=1), size)
+            # By node first, then along its longest axis, so that ranges stay where they are.
             order = order[
                 np.lexsort((position[order, axis], np.repeat(np.arange(len(size)), size)))
             ]
             size = np.stack((size // 2, size - size // 2), axis=1).ravel()
+            # A node of one leaf splits into nothing and itself.
             size = size[size > 0]
             start = np.cumsum(size) - size
         return cls(position[order], area[order])
@@ -97,6 +100,8 @@ class SplatTree:
             half = size // 2
             start = np.concatenate((start, start + half))
             size = np.concatenate((half, size - half))
+            # Halves of two or more are at least one, so that every leaf gets a splat.  The larger
+            # half of the budget goes with the larger half of the leaves.
             left = np.concatenate((left // 2, left - left // 2))
         return self._splats(np.sort(np.concatenate(done)))
 
@@ -110,6 +115,7 @@ class SplatTree:
         moment = np.add.reduceat(self.area_m2[:, None] * self.position_m, start)
         bounds = np.append(start, len(self))
         alone = np.diff(bounds)[:, None] == 1
+        # A mean over one leaf would round its position.
         center = np.where(alone, self.position_m[start], moment / area[:, None])
         return Splats(center, np.sqrt(area / np.pi), bounds)
 

@@ -74,9 +74,11 @@ def build_terrain(height_m: FloatArray, cell_m: float, *, patch: int = 32) -> Te
     require_finite(height_m, "heights")
     layers = [_layer(height_m, cell_m, patch, depths - 1 - d) for d in range(depths)]
     errors = [layer[2] for layer in layers]
+    # A policy that stops at a patch relies on no patch below it being worse.
     for above, below in zip(reversed(errors[:-1]), reversed(errors[1:]), strict=True):
         np.maximum(above, _greatest(below, 2), out=above)
     counts = [error.size for error in errors]
+    # Breadth first: layers follow each other, each row by row.
     first = np.cumsum(counts) - counts
     parents = [np.array([-1])]
     for d in range(1, depths):
@@ -133,6 +135,7 @@ def _layer(
     """Return centres (n², 3), radii (n²,) and errors (n, n) of the patches at one depth."""
     step = 1 << height_in_tree
     span = patch * step
+    # The least is the greatest of the negative heights.
     low, high = -_greatest(-height_m, span), _greatest(height_m, span)
     half = span * cell_m / 2.0
     middle = np.linspace(half, (2 * len(low) - 1) * half, len(low))
@@ -148,6 +151,7 @@ def _greatest(field: FloatArray, span: int) -> FloatArray:
     blocks = field[: n * span, : n * span].reshape(n, span, n, span).max(axis=(1, 3))
     if len(field) == n * span:
         return blocks
+    # Heights on a border belong to both blocks; the reshape above gave them to the later one.
     last = np.arange(1, n + 1) * span
     rows = field[last][:, : n * span].reshape(n, n, span).max(axis=2)
     columns = field[:, last][: n * span].reshape(n, span, n).max(axis=1)
@@ -162,6 +166,7 @@ def _drawn_height(height_m: FloatArray, step: int) -> FloatArray:
     if step == 1:
         return height_m
     at = np.arange(len(height_m))
+    # The last height lies on the far edge of the last quad, not in a quad of its own.
     cell = np.minimum(at // step, (len(height_m) - 1) // step - 1)
     part = (at - cell * step) / step
     coarse = height_m[::step, ::step]
@@ -169,6 +174,7 @@ def _drawn_height(height_m: FloatArray, step: int) -> FloatArray:
     v, u = part[:, None], part[None, :]
     corner, opposite = coarse[row, column], coarse[row + 1, column + 1]
     east, north = coarse[row, column + 1], coarse[row + 1, column]
+    # Both triangles have corner and opposite: the first goes by the east, the other by the north.
     lower = corner + u * (east - corner) + v * (opposite - east)
     upper = corner + v * (north - corner) + u * (opposite - north)
     return np.where(u >= v, lower, upper)

@@ -54,6 +54,7 @@ def classify_vertices(mesh: SurfaceMesh, drawn: DrawnVertices) -> VertexClasses:
     """
     split = np.bincount(drawn.position, minlength=len(mesh.positions))
     edges = np.stack((mesh.faces, np.roll(mesh.faces, -1, axis=1)), axis=2).reshape(-1, 2)
+    # An edge of one triangle is a border.
     pairs, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     border = np.zeros(len(mesh.positions), dtype=np.bool_)
     border[pairs[count == 1]] = True

@@ -48,6 +48,7 @@ class TextureMeter:
         import trimesh
 
         sampler: Any = trimesh.sample
+        # The same seed for every level: errors of levels differ by the levels, not by the points.
         drawn = sampler.sample_surface(source[0], self._points, seed=self._seed)
         points, face = np.asarray(drawn[0], dtype=np.float64), np.asarray(drawn[1])
         nearest, _, hit = trimesh.proximity.closest_point(other[0], points)

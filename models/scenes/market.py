@@ -1,4 +1,4 @@
-"""A market square: other meshes than plaza's in the open, to hold against what was fitted there.
+"""A market square: other meshes than plaza's in the open, to validate what was fitted there.
 
 1,500 pieces of the seven kinds of furniture that stand in soda-hall, two to three times as large as
 there, so that they fill as much of the view as the objects of plaza do.

@@ -27,14 +27,15 @@ class Funkhouser:
     ``1 / (1 + motion · apparent speed in 1/60 s over angular size)`` and
     ``1 / (1 + hysteresis · |level - last level|)``.
 
-    `mode` is ``greedy`` (the paper's order: tuples by falling benefit / cost), ``incremental`` (the
-    paper's second algorithm, from the last frame's levels) or ``hull`` (increments on the upper
-    hull by falling slope, and the best single increment if that is worth more: at least half the
-    optimum, which the paper's order is not).  With `skip` objects may be left out altogether, as in
-    the paper; without, every object is at least at its coarsest level, over budget if need be.
-    `misfit` says whether the hull order ends at the first increment that does not fit; going on
-    behind it makes small camera moves flip levels.  In a hierarchy a root's levels are the fronts
-    of uniform depth below it, then coarser knots of the continuous nodes of the coarsest front.
+    With `mode` ``greedy``, tuples of object and level are taken by falling benefit per cost, as in
+    the paper.  ``incremental`` is the paper's second algorithm, which starts from the last frame's
+    levels.  ``hull`` takes increments on the upper hull by falling slope, or the best single
+    increment if that is worth more, and so has at least half of the optimum, which the paper's
+    order has not.  `misfit` says whether the hull order ends at the first increment that does not
+    fit; going on makes small camera moves flip levels.  With `skip` objects may be left out, as in
+    the paper; without it every object is at least at its coarsest level, over budget if need be.
+    In a hierarchy a root's levels are the fronts of uniform depth below it, then coarser knots of
+    the continuous nodes of the coarsest front.
 
     Uses: the scene's cost model, projected area, eccentricity, apparent speed, last levels.
 

@@ -23,27 +23,29 @@ _NONE = np.empty(0, dtype=np.int32)
 
 @dataclass(slots=True)
 class LodManager:
-    """Idea: extract as few levels as possible; objects that want similar ones share them.
+    """Idea: extract as few levels as possible: objects that want similar levels share one.
 
-    The wanted factor is ``clamp(1 - (d - near) / (far - near), 0, 1)^e``.  Each type has `slots`
-    slots, and two factors are similar if they fall into the same, ``trunc(lod^spacing · slots)``,
-    1 into the last.  An object whose level is not similar to the one it wants borrows from the
-    holder of the wanted slot, and gives up a slot that it held; where there is no holder it
-    extracts its own level and holds the slot (algorithm 4.1).  Factor 0 is the type's coarsest
-    resolution, 1 its full one, linear between.  Discrete levels are ready to draw: there the slots
-    are the chain itself, and nothing is extracted or shared.
+    An object wants the factor ``clamp(1 - (d - near) / (far - near), 0, 1)^e``.  Factor 0 is the
+    type's coarsest resolution and 1 its full one, linear between.  Each type has `slots` slots, and
+    two factors are similar if they fall into the same slot, ``trunc(lod^spacing · slots)``, factor
+    1 into the last.  An object whose level is not similar to the wanted one borrows: it draws the
+    level of the wanted slot's holder, and gives up a slot that it held itself.  Where the slot has
+    no holder, the object extracts its own level and holds the slot (algorithm 4.1).  Discrete
+    levels are ready to draw: their slots are the levels, and nothing is extracted or shared.
 
-    Objects are visited by falling difference between wanted and shown factor; those without a level
-    come first, from the median of their slot outwards, so that what is shared errs to neither side
-    (the paper has the order of its array, which would make numbering matter).  With `active` only
-    the first so many of those that need another level have their turn, the others wait; objects
-    without a level always have theirs.  Objects outside the frustum then count with the factor
-    `outside` and borrow ahead of being seen; they extract nothing, as what is not drawn has no
-    index set here, and an index set whose owner left the view stays and may be borrowed.
+    Objects are visited by falling difference between wanted and shown factor.  Those without a
+    level come first, from the median of their slot outwards, so that a shared level is about as
+    often too fine as too coarse (the paper visits in the order of its array, so that numbering
+    would matter).  With `active` only so many of the objects that need another level are visited in
+    a frame, and the others wait; objects without a level never wait.  Objects outside the frustum
+    then count with the factor `outside`, and may borrow before they are seen.  They extract
+    nothing, as what is not drawn has no index set here.  An index set whose owner has left the view
+    stays and may be borrowed.
 
-    Every completed frame outside the dead band multiplies the exponent e by `gain` if too slow,
-    or divides it if fast enough (``lod^n`` and ``lod^(1/n)``, which the text names the other way
-    round); ``limit=gain`` is the print's form without memory, but for a rest at 1 in between.
+    Each completed frame outside the dead band multiplies the exponent e by `gain` if it was too
+    slow, and divides it if it was fast enough (``lod^n`` and ``lod^(1/n)``, which the text names
+    the other way round).  With ``limit=gain`` the exponent is one of `gain`, 1 and 1 / `gain`: the
+    printed rule, but for the 1 in between.
 
     Uses: distance to the bounding sphere's centre, work times of completed frames.
 

@@ -36,20 +36,20 @@ class Zach:
     """Idea: raise discrete and smooth representations in turn, whichever gains more per cost.
 
     Discrete nodes start at their coarsest and take Mason and Blake's increments: a finer level, or
-    the children for the node.  Continuous leaves (groups of trees, or objects) are smooth
-    variables, raised along the gradient of benefit, with a barrier before full resolution, by a
-    line search to where their benefit per cost falls to the next increment's.  With `splitting`
-    all groups below a node of their tree share one variable where this loses less than ε allows
-    (Algorithm 1).  A group of splats whose trees get less than a splat each, or whose splats are
-    worth less than setting them up, is not drawn, nor is one smaller than `cull_px`; other types
-    are always drawn.  Whenever the search ends, what it has keeps the budget, unless the coarsest
-    selection does not; then that is drawn.
+    the children in place of the node.  Continuous leaves (groups of trees, or objects) are smooth
+    variables.  They are raised along the gradient of benefit, with a barrier before full
+    resolution, by a line search that ends where their benefit per cost falls to the next
+    increment's.  With `splitting` all groups below a node of their tree share one variable where
+    this loses less than ε allows (Algorithm 1).  A group of splats is not drawn if it gets less
+    than a splat a tree, if its splats are worth less than setting them up, or if it is smaller than
+    `cull_px`; other types are always drawn.  The search may end after any step: its selection keeps
+    the budget, unless not even the coarsest does, which is drawn then.
 
     Benefit of a patch is ``sqrt(2^(d_max - d)) · S``, S its area in pixels and d its height above
     the leaves; of a group of N trees ``k S² (N / 64) sqrt(x / N · N_splats)``, S² its area.  With
-    d from the root, as printed, refining would lower benefit; with areas squared, the nearest group
-    would outweigh all terrain.  Both are multiplied by importance.  A continuous node that has
-    children, or stands below a node with geometry, is refined in steps of its knots.
+    d counted from the root, as printed, refining would lower benefit; with areas squared, the
+    nearest group would outweigh all terrain.  Both are multiplied by importance.  A continuous node
+    that has children, or stands below a node with geometry, is refined in steps of its knots.
 
     Uses: the cost model, projected areas and importance of the nodes in view.
 

@@ -21,27 +21,32 @@ _TEXTURED = LEVEL_PREDICTORS.index("textured_triangles")
 
 @dataclass(slots=True)
 class HlodHysteresis:
-    """Idea: each node shares its time slice among its children; who has long been short, goes.
+    """Idea: siblings share their parent's time, and switch when their shares stay out of balance.
 
-    Priority is ``sqrt(triangles · surface) · (1 + c_vis · visibility) / (cost · distance²)``.  From
-    the roots down, visible siblings share their parent's slice by priority, and each adds its
-    urgency ``(slice - needed) / needed`` to a counter within ``±limit``.  The children are drawn in
-    place of their parent while ``Σ trunc(counter / switch)`` over the visible ones is at least 0
-    and they are all in memory; roots are always drawn or refined.  So a node that is far out of
-    balance switches within a few frames and one that nearly fits takes long or never does.  Two
-    loops learn from completed frames: the time of a unit of cost, and the time that the roots
-    share, raised while nodes were refused though time was left and lowered when over.
+    In each frame, from the roots down, the visible siblings of a family share their parent's time
+    slice in proportion to their priority,
+    ``sqrt(triangles · surface) · (1 + c_vis · visibility) / (cost · distance²)``.  Each adds
+    ``(slice - needed) / needed``, its urgency, to a counter that stays within ``±limit``.  If
+    ``Σ trunc(counter / switch)`` over the visible siblings is at least 0 and they are all in
+    memory, they are drawn, or refined further, in place of their parent; otherwise the parent is
+    drawn.  Roots are always drawn or refined.  So a family far out of balance switches within a few
+    frames, and one that nearly fits takes long or never switches.
 
-    The constants are the thesis' (Table 6.1; 1500 and 4510 there have lost their point).  Readings:
-    counters start at ``-limit``, because 0 descends and a cold start would draw the finest level;
-    the roots share the target less the fixed overhead; surface is the bounding sphere's disc;
-    visibility falls from 1 at the frustum's edge to 0 straight behind; distance is at least the
-    radius, and is taken from where the camera will be in `lead_s`; the rates of the two loops.
-    Foreshortening needs average normals, which a scene does not have, and is 1.  A node that stays
-    drawn beside its children leaves them what its slice exceeds its own need by.
+    Two loops learn from completed frames: the time that a unit of cost takes, and the time that the
+    roots share.  The second rises while nodes are refused although time is left, and falls while
+    frames take too long.
 
-    It wants nodes in memory by priority: all that it visits, those of refused families and those
-    outside the frustum included.
+    The constants are the thesis' (Table 6.1; its 1500 and 4510 are read as 1.5 and 4.51).  Where
+    the thesis leaves a choice: counters start at ``-limit``, since from 0 the first frame would
+    draw the finest level; the roots share the target less the fixed overhead; surface is the
+    bounding sphere's disc; visibility falls from 1 at the frustum's edge to 0 straight behind;
+    distance is at least the radius, and is taken from where the camera will be in `lead_s`.  The
+    rates of the two loops are ours.  Foreshortening needs average normals, which a scene does not
+    have, and is 1.  A node that is drawn together with its children takes its own need from the
+    slice first and leaves them the rest.
+
+    The loader is asked for all nodes that are visited, by priority, also those of refused families
+    and those outside the frustum.
 
     Uses: triangles, distance, residency, GPU times of completed frames; the cost model, if there is
     one, for the overhead and a first guess of the time of a unit of cost.

@@ -20,11 +20,11 @@ from ..view import View
 class Maciel:
     """Idea: refine the node whose children have most benefit for their cost, but not at once.
 
-    A pass from the leaves up finds each node's cost and benefit, and those of its children.  A pass
-    from the roots down refines, while the sum fits the budget, the drawn node of the largest
-    benefit / cost of its children.  A node that this would refine waits until it has been wished
-    for in more than `threshold` frames on end; it is coarsened at once.  The count is the same
-    however urgent the switch is.  A refinement that saves time is not held back.
+    A pass from the leaves up sums each node's cost and benefit, and those of its children.  A pass
+    from the roots down refines, while the sum fits the budget, the drawn node whose children have
+    the most benefit per cost.  A node is not refined before it has been chosen in more than
+    `threshold` frames in a row, however urgent the switch is; it is coarsened at once.  A
+    refinement that saves time does not wait.
 
     Uses: the scene's cost model, projected area and importance of the leaves in view.
 

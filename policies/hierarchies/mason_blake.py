@@ -17,18 +17,20 @@ from ..view import View
 
 @dataclass(slots=True)
 class MasonBlake:
-    """Idea: the multiple-choice knapsack on a tree, from the last frame's front.
+    """Idea: solve the multiple-choice knapsack on a tree, starting from the last frame's front.
 
-    An increment replaces a drawn node by what stands for it more finely, a decrement undoes one.
-    While the front costs more than the budget, the increment that brings least per cost is undone;
-    then the one that brings most is taken, undoing worse ones if they are in its way, until it does
-    not fit and nothing worse is left.  Increments are edges of the upper hull: refinements that pay
-    only together with deeper ones are one increment, and of the one that does not fit the part that
-    does is taken.  The result is held against the best single refinement (with those above it) and
-    the better one is drawn.  Where refinements pay less and less down the tree, it brings at least
-    half of the optimum's gain over the roots: those taken and the first that does not fit exceed
-    the relaxed optimum.  Where one pays only through several deeper ones no order by slope has such
-    a bound.  Roots in view are always covered, over budget if need be.
+    An increment replaces a drawn node by finer ones, and a decrement undoes an increment.  While
+    the front costs more than the budget, the increment with the least benefit per cost is undone.
+    Then the increment with the most benefit per cost is taken, again and again, undoing worse ones
+    that take up its room, until one does not fit and none worse is left.  Increments are edges of
+    the upper hull: refinements that pay only together with deeper ones are one increment.  Of the
+    increment that does not fit, the part that does is taken.  The best single refinement (with
+    those above it) is drawn instead if it brings more.
+
+    Where refinements pay less and less down the tree, this brings at least half of the optimum's
+    gain over the roots: the increments taken and the first that does not fit exceed the relaxed
+    optimum.  Where a refinement pays only through several deeper ones, no order by slope has such a
+    bound.  Roots in view are always covered, over budget if need be.
 
     Uses: the scene's cost model, projected area and importance of the leaves in view.
 

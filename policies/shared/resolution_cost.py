@@ -95,9 +95,12 @@ class ResolutionCosts:
         """Return the allocation problem of a frame."""
         fixed, slow, cost, low = self.stretches(view)
         bottom = self.lowest(view)
+        # Two pieces make r = x₁ + x₂ - kink, at fixed + cost · x₁ + slow · (x₂ - kink).  The
+        # constant slow · kink goes to the budget below, so that Σ cost · x is left to be paid.
         second = np.flatnonzero((cost > slow) & (low > bottom) & (slow > 0.0))
         left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.frame_ms(view)
         left_ms -= float(fixed.sum()) - float(slow[second] @ low[second])
+        # Lines above the true cost may refuse full detail that fits, so that is asked of the model.
         if not self._exact and self.predict_ms(view, self.finest(view)) <= budget_ms:
             left_ms = np.inf
         high = np.ones(len(cost))
@@ -118,8 +121,10 @@ class ResolutionCosts:
         pixel_ms = float(costs.roofline_ms[SHADED_SAMPLES]) * view.area_px
         slow, fast = self._linear_line.slope[kind], self._geometry_line.slope[kind]
         under = self._geometry_line.start[kind]
+        # Resolution at which geometry, under + fast · r, overtakes the pixels.
         kink = np.divide(pixel_ms - under, fast, out=np.full(len(kind), np.inf), where=fast > 0.0)
         bent = kink < 1.0
+        # Before the kink the larger side is a constant: the pixels, or geometry that does not rise.
         hidden = np.where(bent, under, np.maximum(under, pixel_ms))
         hidden += float(costs.linear_ms[SHADED_SAMPLES]) * view.area_px
         bottom = self.lowest(view)
@@ -127,6 +132,7 @@ class ResolutionCosts:
             start, rise = self._tangent(view, bottom)
             hidden, slow = hidden + start, slow + rise
         cost = slow + np.where(bent, fast, 0.0)
+        # Gobbetti and Bouvier's r_min = T_pix · A / (T_tri · n), never below the coarsest level.
         low = np.where(bent, np.maximum(kink, bottom), np.where(cost > 0.0, bottom, 1.0))
         return self._linear_line.start[kind] + hidden, slow, cost, low
 
@@ -210,6 +216,7 @@ def _line_above(levels: LevelTable, column: FloatArray) -> _Line:
     rise = np.maximum(column[first] - column[last], 0.0)
     width = 1.0 - levels.resolution[last]
     slope = np.divide(rise, width, out=np.zeros(len(first)), where=width > 0.0)
+    # The intercept that each knot asks for; with the largest of them no knot lies above the line.
     gap = column - slope[levels.type_of_level] * levels.resolution
     start = np.maximum.reduceat(gap, first)
     exact = np.allclose(gap, start[levels.type_of_level], rtol=0.0, atol=1e-12 * column.max())

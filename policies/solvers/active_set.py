@@ -46,6 +46,7 @@ def allocate_by_active_set(
     early = settle(weight, cost, budget, power=power, low=low, high=high)
     if early is not None:
         return early
+    # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
     search = _Search(weight, cost, budget, power, low, high, low.copy())
     if start is not None:
         search.begin(np.clip(start, low, high), max_iterations)
@@ -95,6 +96,7 @@ class _Search:
         self.unit = unit_share(self.weight, self.cost, self.power)
         # What costs nothing is at its upper bound, and what weighs nothing at its lower, for good.
         self.held_high = (self.cost <= 0.0) | (self.low >= self.high)
+        # `unit` is infinite where the cost is 0; with 0 there, sums over everything need no mask.
         self.unit[self.held_high] = 0.0
         self.held_low = (self.weight <= 0.0) & ~self.held_high
         self.share, self.paid = self.unit.copy(), self.unit * self.cost
@@ -111,10 +113,13 @@ class _Search:
         x = np.where(held, self.x, start)
         excess = float(self.cost @ x) - self.budget
         while excess > 0.0:
+            # Out of passes: `self.x` still is `low`, which keeps every bound and the budget.
             if self.iterations == max_iterations:
                 return
+            # Degradation over cost is proportional to (unit / x)^power, which sorts alike.
             order = np.argsort(-(self.unit / x), kind="stable")
             less = np.where(held, x, np.maximum(_SHRINK * x, self.low))
+            # No more objects than are needed: up to where the savings first make up for the excess.
             saved = np.cumsum((self.cost * (x - less))[order])
             count = int(np.searchsorted(saved, excess)) + 1
             x[order[:count]] = less[order[:count]]
@@ -127,11 +132,15 @@ class _Search:
         """Make one pass; return whether the point is the optimum."""
         self.iterations += 1
         self.comparisons += 2 * len(self.x)
+        # With what is held fixed, the minimiser spends the rest of the budget on x = scale · t:
+        # the closed form at the top of this file.
         wanted = float(self.paid.sum())
         if wanted > 0.0:
+            # Positive, as the present point keeps the budget and its free variables cost something.
             scale = (self.budget - float(self.cost @ self.held_x)) / wanted
             if not self._reach(scale):
                 return False
+            # weight · x^-power = λ · cost with x = scale · t gives λ = scale^-power, t cancelling.
             self.multiplier = scale**-self.power
         else:
             self.multiplier = self._multiplier_at_vertex()
@@ -139,6 +148,8 @@ class _Search:
 
     def _reach(self, scale: float) -> bool:
         """Go towards the solution of the working set; return whether no bound was in the way."""
+        # Present point and target keep the budget, and the cost is linear in x, so every point
+        # between them does too.
         target = scale * self.share
         target += self.held_x
         falls, rises = target < self.low, target > self.high
@@ -147,12 +158,15 @@ class _Search:
             self.x = target
             return True
         low, high, x = self.low[broken], self.high[broken], self.x[broken]
+        # Share of the way at which each broken bound lies; the nearest one ends the step.
         part = (np.where(falls[broken], low, high) - x) / (target[broken] - x)
         length = float(part.min())
+        # Bounds met at the same length enter together, which spares a pass for each tie.
         met = broken[part <= length]
         target -= self.x
         target *= length
         self.x += target
+        # Rounding must not carry a variable past its bound: points are feasible to the bit.
         self.x[broken] = np.minimum(np.maximum(self.x[broken], low), high)
         self._hold(met[rises[met]], met[falls[met]])
         return False
@@ -168,8 +182,11 @@ class _Search:
 
     def _multiplier_at_vertex(self) -> float:
         """Return λ where every bound is held: 0 with budget left, else what `low` demands."""
+        # Budget left over: complementary slackness makes its multiplier 0.
         if float(self.cost @ self.x) < self.budget * (1.0 - _TOLERANCE):
             return 0.0
+        # No free variable determines λ.  Lower bounds hold if λ is at least (unit / low)^power;
+        # with the least such λ only the upper bounds are left to be tested.
         demand = np.where(self.held_low, self.unit / self.low, 0.0)
         return float(demand.max()) ** self.power
 
@@ -177,9 +194,12 @@ class _Search:
         """Let go of the bound with the most negative multiplier, or return that there is none."""
         price = self.multiplier * self.cost
         value = self.weight * self.x**-self.power
+        # The bounds' own multipliers: negative where leaving the bound would lower the degradation.
         slack = np.where(self.held_low, price - value, np.where(self.held_high, value - price, 0.0))
+        # Between equal bounds there is no way to go, whatever the sign.
         slack[self.low >= self.high] = 0.0
         worst = int(slack.argmin())
+        # Relative to the terms of the difference: the search would cycle on what is rounding.
         if slack[worst] >= -_TOLERANCE * max(price[worst], value[worst]):
             return True
         self.held_low[worst] = self.held_high[worst] = False

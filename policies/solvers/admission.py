@@ -59,6 +59,7 @@ def admit(
     fewest, most = int(len(order) - np.count_nonzero(optional)), len(order)
     if table.spent(0.0, fewest) > budget:
         return None
+    # What the first k cost at the scale of the k-th rises with k, as both k and the scale do.
     while fewest < most:
         count = (fewest + most + 1) // 2
         if table.spent(float(key[order[count - 1]]), count) <= budget:
@@ -94,9 +95,11 @@ class _Table:
         full = np.divide(high, squared, out=np.zeros(count), where=squared > 0.0)
         above = float(full.max(initial=0.0))
         below = _LEAST_SCALE * above
+        # One look at the scale of the next thing shows on which side of it the answer lies.
         if below < edge < above:
             below, above = (edge, above) if self.spent(edge, count) < budget else (below, edge)
         while above > _NEAR * below:
+            # Geometric mean, as scales span decades; roots apart, so that no product underflows.
             middle = float(np.sqrt(below)) * float(np.sqrt(above))
             low_enough = self.spent(middle, count) < budget
             below, above = (middle, above) if low_enough else (below, middle)

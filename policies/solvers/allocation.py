@@ -95,14 +95,20 @@ def _iterate(
         at_low, at_high = x <= low, x >= high
         gap = budget - float(cost @ x)
         same = np.array_equal(at_low, was_low) and np.array_equal(at_high, was_high)
+        # Bounds that hold now held before the step: it stayed on one linear piece of what is spent,
+        # so Newton's step has ended on the root, not near it.
         if gap == 0.0 or (newton and same):
             break
+        # What is spent rises with the scale: the sign of the gap says on which side the root lies.
         below, above = (scale, above) if gap > 0.0 else (below, scale)
+        # Only variables between their bounds follow the scale.
         slope = float(paid @ ~(at_low | at_high))
         following = scale + gap / slope if slope > 0.0 else scale
         newton = below < following < above and (iterations <= _PLAIN_PASSES or iterations % 2 == 1)
+        # A Newton step too short to change the scale is convergence, not a reason to halve.
         if not newton and (slope == 0.0 or following != scale):
             following = _halve(below, above)
+        # No other double is left between the ends: the scale cannot be told more exactly.
         if following in {scale, below, above}:
             break
         scale, was_low, was_high = following, at_low, at_high
@@ -127,6 +133,7 @@ def as_bounds(
 def unit_share(weight: FloatArray, cost: FloatArray, power: float) -> FloatArray:
     """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is to be paid."""
     ratio = np.divide(weight, cost, out=np.full(len(cost), np.inf), where=cost > 0.0)
+    # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
     if power == 2.0:
         return np.sqrt(ratio, out=ratio)
     if power == 3.0:
@@ -156,6 +163,7 @@ def settle(
     if floor < budget:
         return None
     multiplier = math.inf
+    # The budget pays for just `low`: λ is the least price that keeps every x there.
     if floor == budget and low.min() > 0.0:
         multiplier = float((unit_share(weight, cost, power) / low).max()) ** power
     flags = low <= low, low >= high  # noqa: PLR0124 - at its lower bound is everything
@@ -182,6 +190,7 @@ def kkt_residual(
     spent = float(cost @ x)
     outside = float(np.maximum(np.maximum(low - x, x - high), 0.0).max(initial=0.0))
     if multiplier == 0.0:
+        # At no price whatever has weight would be taken in full.
         short = bool((x < high)[weight > 0.0].any())
         return max(outside, spent / budget - 1.0, math.inf if short else 0.0)
     ratio = weight * x**-power / (multiplier * cost)

@@ -70,6 +70,7 @@ class ConvexProgram:
         symbols: dict[str, Any] = {name: values[:, k] for k, name in enumerate(names)}
         symbols["r"] = resolution
         ones = library.SX.ones(places)
+        # A formula without names is a constant, a 1 × 1 matrix to casadi: `ones` spreads it.
         loss = ones * symbolic(degradation, symbols, "degradation")
         spent = ones * symbolic(cost, symbols, "cost")
         mask = values[:, len(names)]
@@ -77,10 +78,12 @@ class ConvexProgram:
             "x": resolution,
             "p": library.veccat(values, budget),
             "f": library.dot(mask, loss),
+            # Over the budget, because ipopt's tolerance on constraints is absolute.
             "g": library.dot(mask, spent) / budget,
         }
         options = _OPTIONS | {"ipopt.max_iter": max_iterations}
         self.places = places
+        # Two solvers, because ipopt's options are fixed when it is made.
         self._cold: Any = library.nlpsol("cold", "ipopt", problem, options)
         self._warm: Any = library.nlpsol("warm", "ipopt", problem, options | _WARM)
         self._each: Any = library.Function("each", [resolution, values], [loss, spent])
@@ -95,6 +98,7 @@ class ConvexProgram:
         self, values: FloatArray, low: FloatArray, budget: float, start: Point, *, warm: bool
     ) -> Point:
         """Return the optimum from `start`; from scratch where a warm start does not reach it."""
+        # Spare places have both bounds at 1; ipopt takes such variables out of the problem.
         count = len(low)
         solver = self._warm if warm else self._cold
         found: dict[str, Any] = solver(
@@ -124,6 +128,7 @@ class ConvexProgram:
 
     def _masked(self, values: FloatArray) -> FloatArray:
         """Return values with their mask, the places beyond filled with the first object's."""
+        # Not zeros: a formula may divide by any of these values or take its logarithm.
         rest = self.places - len(values)
         full = np.concatenate((values, np.repeat(values[:1], rest, axis=0)))
         mask = np.where(np.arange(self.places) < len(values), 1.0, 0.0)

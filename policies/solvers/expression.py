@@ -41,6 +41,8 @@ def symbolic(text: str, symbols: Mapping[str, Any], what: str) -> Any:
     try:
         body = ast.parse(text.strip(), mode="eval").body
         return _build(body, symbols, what)
+    # NUL or overlong digits (ValueError), deep nesting (RecursionError, MemoryError), and integers
+    # that no double holds (OverflowError) come from the same text of a user.
     except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
         raise InputError(f"{what}: expected a formula, got {text}; {error}") from error
 
@@ -50,6 +52,7 @@ def _build(node: ast.expr, symbols: Mapping[str, Any], what: str) -> Any:
 
     library: Any = casadi
     match node:
+        # `True` is an int to Python, but no number in a formula.
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             return library.SX(float(value))
         case ast.Name(id=name):

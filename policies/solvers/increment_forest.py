@@ -54,7 +54,9 @@ class IncrementForest:
         self._matrix = np.where(void, 0.0, cost)
         ratio = np.divide(gain, cost, out=np.full(cost.shape, math.inf), where=cost > 0.0)
         ratio[gain <= 0.0] = -math.inf
+        # Neutral to the running minimum: what comes behind a void does not wait for it.
         ratio[void] = math.inf
+        # A row begins at the least ratio of the row above it, which an earlier layer has settled.
         for rows in self._blocks():
             before = np.where(above[rows] >= 0, ratio[above[rows], -1], math.inf)
             ratio[rows, 0] = np.minimum(ratio[rows, 0], before)
@@ -73,6 +75,7 @@ class IncrementForest:
 
     def slope(self, left: float) -> float:
         """Return benefit per cost of the best increment that costs at most `left`; 0 if none."""
+        # A pass over all rows, so only when the increment that is next does not fit.
         if len(self._rest) and self._cost[0] > left:
             self._drop(left)
         return float(self._key[0]) if len(self._rest) else 0.0
@@ -80,6 +83,7 @@ class IncrementForest:
     def take(self, slope: float, left: float) -> float:
         """Take increments in order down to `slope` while they fit; return what they cost."""
         wanted = int(np.searchsorted(-self._key, -slope * SAME_SLOPE, side="right"))
+        # In order, what an increment needs stands before it: any prefix is a valid selection.
         total = np.cumsum(self._cost[:wanted])
         over = total > left
         count = int(over.argmax()) if over.any() else wanted
@@ -104,6 +108,7 @@ class IncrementForest:
 
     def _drop(self, left: float) -> None:
         """Drop increments that do not fit any more, and those that need them."""
+        # What is left only shrinks, so what does not fit now never will.
         dead = (self._matrix > left) & ~self.taken
         for rows in self._blocks():
             above = self._above[rows]

@@ -65,6 +65,7 @@ def affordable(cost: FloatArray, budget: float) -> FloatArray:
     the greedy pass loses its bound of one half.
     """
     cheapest = cost.min(axis=1, keepdims=True)
+    # What a single object may spend on top of its cheapest choice, all others at theirs.
     left = budget - float(cheapest.sum())
     return np.where((cost - cheapest <= left) | (cost == cheapest), cost, np.inf)
 
@@ -79,6 +80,7 @@ def hull_increments(cost: FloatArray, benefit: FloatArray) -> Increments:
     cheapest = cost.min(axis=1, keepdims=True)
     base: IntArray = np.where(cost == cheapest, benefit, -np.inf).argmax(axis=1)
     everyone = np.arange(n, dtype=np.int32)
+    # One vertex of every hull a round, gift wrapping: L - 1 rounds of whole arrays at most.
     edges: list[tuple[IntArray, IntArray]] = [(everyone, base)]
     for _ in range(choices - 1):
         owner, column = _steepest(cost, benefit, *edges[-1])
@@ -94,6 +96,7 @@ def _steepest(
     """Return the next hull vertex of each owner that has one."""
     more_cost = cost[owner] - cost[owner, column][:, None]
     more_benefit = benefit[owner] - benefit[owner, column][:, None]
+    # The hull is followed on its rising part only: dearer without being better is dominated.
     better = (more_cost > 0.0) & (more_benefit > 0.0) & np.isfinite(more_cost)
     slope = np.divide(more_benefit, more_cost, out=np.full_like(more_cost, -1.0), where=better)
     steepest = slope.max(axis=1, keepdims=True)
@@ -149,8 +152,10 @@ def take_increments(increments: Increments, budget: float, *, skip_misfits: bool
     left = budget - increments.base_cost
     taken = np.zeros(len(increments.owner), dtype=np.bool_)
     rest: IntArray = np.arange(len(increments.owner))
+    # Slopes fall along a hull, so the order by slope keeps each object's increments in sequence.
     while left >= 0.0 and len(rest):
         total = np.cumsum(increments.cost[rest])
+        # `right`, because a sum that equals what is left still fits.
         count = int(np.searchsorted(total, left, side="right"))
         taken[rest[:count]] = True
         if count == len(rest) or not skip_misfits:
@@ -167,6 +172,7 @@ def take_increments(increments: Increments, budget: float, *, skip_misfits: bool
 def _still_possible(increments: Increments, rest: IntArray, left: float) -> IntArray:
     """Drop increments that do not fit any more, and those behind them on the same object."""
     misfit = increments.cost[rest] > left
+    # Place of each object's first misfit; from there on none of its increments can be taken.
     first = np.full(len(increments.base), len(rest))
     np.minimum.at(first, increments.owner[rest[misfit]], np.flatnonzero(misfit))
     return rest[np.arange(len(rest)) < first[increments.owner[rest]]]
@@ -206,6 +212,7 @@ def relaxed_bound(increments: Increments, budget: float) -> float:
     count = int(np.searchsorted(total, left, side="right"))
     bound = increments.base_benefit + float(increments.benefit[:count].sum())
     if count < len(total):
+        # The relaxation's optimum takes the first increment that does not fit in part (Dantzig).
         rest = left - (float(total[count - 1]) if count else 0.0)
         bound += rest * float(increments.benefit[count] / increments.cost[count])
     return bound

@@ -25,10 +25,13 @@ def raise_in_turn(
         if slope_d <= 0.0 and slope_c <= 0.0:
             break
         steps += 1
+        # The paper's test is slope_d > slope_c.  A line search ends only near the slope that it
+        # aims at, so here equal within rounding is enough; else it would run again for nothing.
         if slope_d >= slope_c * SAME_SLOPE:
             left -= discrete.take(slope_c, left)
         else:
             spent = smooth.raise_to(*discrete.ahead(left))
+            # From here on only increments can spend anything.
             exhausted = spent <= 0.0
             left -= spent
     return budget - left, steps

@@ -62,8 +62,10 @@ class NewtonAscent:
         """Raise until benefit per cost falls to `slope` or `spend` is spent; return what was."""
         before = float(self.x.sum())
         self.passes += 1
+        # d/dx of weight · sqrt(x) equals the slope at x = (weight / 2 slope)².
         root = self._weight / (2.0 * slope) if slope > 0.0 else np.full(len(self.x), math.inf)
         x = np.clip(np.square(root), self._low, self._high)
+        # Too dear down to that slope: `spend` alone decides, by the same closed form.
         if float(x.sum()) - before > spend:
             ones = np.ones(len(x))
             low, high = self._low, self._high
@@ -72,6 +74,7 @@ class NewtonAscent:
             )
             self.passes += result.iterations
             x = result.x
+        # Rounding must not take back what an earlier step has given.
         self.x = np.maximum(x, self.x)
         return float(self.x.sum()) - before
 
@@ -119,6 +122,7 @@ class GradientAscent:
             return 0.0
         if not (rising & (self._at >= self._low)).any():
             self._lift(rising)
+        # Along the ray the benefit rises by Σ a · weight and the cost, Σ place², by 2 Σ a · place.
         value, drift, _ = self._moments(self._at)
         return value / (2.0 * drift) if drift > 0.0 else math.inf
 
@@ -170,6 +174,7 @@ class GradientAscent:
         step = (float((ray * self._weight).sum()) / (2.0 * slope) - drift) / speed
         step = min(max(step, below), above)
         for _ in range(_MAX_PASSES):
+            # As long as the same variables move, `gap` falls by 2 slope · speed a unit of step.
             value, drift, speed = self._moments(self._at + step * self._direction)
             gap = value - 2.0 * slope * drift
             if value > 0.0 and abs(gap) <= _PRECISION * value:
@@ -179,6 +184,8 @@ class GradientAscent:
             step = following if below < following < above else 0.5 * (below + above)
             if above - below <= _PRECISION * above:
                 break
+        # Either no step was too long, and the ray ends before its slope has fallen that far, or
+        # this is the end of the bracket at which raising still pays.
         return above if above == end else below
 
     def _find_cost(self, cost: float, end: float) -> float:

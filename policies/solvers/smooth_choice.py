@@ -65,6 +65,7 @@ class SmoothChoice:
         rows = np.arange(len(self.weight))
         real = np.isfinite(self.cost)
         value = np.where(real, self.benefit - price * np.where(real, self.cost, 0.0), -np.inf)
+        # Of equals argmax takes the first, which is the finest.
         column: IntArray = value.argmax(axis=1)
         share = np.zeros(len(rows))
         if self._spans.any():
@@ -82,6 +83,8 @@ class SmoothChoice:
     def _between(self, price: float) -> tuple[FloatArray, FloatArray]:
         """Return, per span, the samples that are best within it and their value."""
         low, high = self.samples[:, 1:], self.samples[:, :-1]
+        # Where benefit rises by what it costs: weight · BASE_ERROR / samples² = price · slope.
+        # 1e-300 stands for a slope of 0, where the clip takes the finer end.
         rising = np.maximum(price * self._slope, 1e-300)
         best = np.sqrt(BASE_ERROR * self.weight[:, None] / rising)
         best = np.clip(best, low, np.maximum(low, high))
@@ -113,12 +116,15 @@ class SmoothChoice:
         cheapest = self._coarsest()
         if cheapest.cost > budget:
             return cheapest, -np.inf
+        # A higher price never buys more, so the side that fits the budget is always `high`.
         low, high = -70.0, 70.0
         found, bound = cheapest, np.inf
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             price = float(np.exp(middle))
             response = self.respond(price)
+            # Weak duality: at any price this is at least what a selection within the budget can
+            # have, so the least over all prices tried is a bound, converged or not.
             dual = response.benefit - price * (response.cost - budget)
             bound = min(bound, dual)
             if response.cost <= budget:

@@ -51,12 +51,15 @@ def tree_increments(
     cost, benefit = np.where(item, cost, 0.0), np.where(item, benefit, 0.0)
     head, block = item.copy(), nodes.copy()
     slope = _slopes(cost, benefit)
+    # From the deepest layer up: what hangs below a layer is merged for good when it is its turn.
     for at in range(len(hierarchy.layers) - 1, -1, -1):
         while True:
             steep = np.flatnonzero(head & (up >= 0))
             steep = steep[(depth[up[steep]] == at) & (slope[steep] > slope[up[steep]])]
             if not len(steep):
                 break
+            # Only the steepest child of each parent: once it has joined, the parent's slope is
+            # another, and the other children have to be compared with that.
             steep = steep[np.lexsort((-slope[steep], up[steep]))]
             steep = steep[np.concatenate(([True], np.diff(up[steep]) > 0))]
             onto = up[steep]
@@ -65,6 +68,7 @@ def tree_increments(
             slope[onto] = _slopes(cost[onto], benefit[onto])
             head[steep] = False
             block[steep] = onto
+            # Children of what was merged hang on the block that it joined.
             up = np.where(up >= 0, block[up], -1)
     return _sorted(item, head, block, depth, cost, benefit, slope)
 
@@ -78,6 +82,7 @@ def next_above(hierarchy: Hierarchy, item: BoolArray) -> IntArray:
 
 
 def _slopes(cost: FloatArray, benefit: FloatArray) -> FloatArray:
+    # At no cost: first of all where nothing is lost, never otherwise.
     free = np.where(benefit >= 0.0, np.inf, -np.inf)
     return np.divide(benefit, cost, out=free, where=cost > 0.0)
 
@@ -91,6 +96,7 @@ def _sorted(
     benefit: FloatArray,
     slope: FloatArray,
 ) -> Increments:
+    # A block may have joined one that joined another later: follow to the end.
     while (block[block] != block).any():
         block = block[block]
     heads = np.flatnonzero(head)

@@ -39,6 +39,8 @@ def greedy_by_value(
     rest = rest[np.isfinite(cost.ravel()[rest])]
     while len(rest):
         owner = rest // width
+        # What does not fit now never will: an exchange on another object only takes room, and one
+        # on the same object takes as much room as it makes its later exchanges cheaper.
         better = benefit.ravel()[rest] > chosen_benefit[owner]
         fits = cost.ravel()[rest] - chosen_cost[owner] <= left
         rest = rest[better & fits]
@@ -49,6 +51,7 @@ def greedy_by_value(
         left = budget - float(chosen_cost.sum())
         if count == len(step):
             break
+        # As printed, the pass goes on behind the tuple that does not fit.
         rest = rest[step[count] + 1 :]
     return column
 
@@ -65,6 +68,8 @@ def _accept(
     """Return which of `rest` improve on those before them, and how many of these fit in order."""
     width = cost.shape[1]
     owner = rest // width
+    # One row an object, its tuples in the order of the pass: which of them improve on those before
+    # is then a running maximum along the row, for all objects at once.
     grouped = np.argsort(owner, kind="stable")
     count = np.bincount(owner, minlength=len(cost))
     first = np.cumsum(count) - count
@@ -78,6 +83,7 @@ def _accept(
     prices[owner[grouped], rank] = cost.ravel()[rest[grouped]]
     position = np.where(rises, np.arange(width, dtype=np.int32), np.int32(0))
     last = np.maximum.accumulate(position, axis=1)
+    # What each tuple replaces: the last before it that improved, else what was chosen already.
     before = np.column_stack((chosen_cost, np.take_along_axis(prices, last, axis=1)[:, :-1]))
     accepted = np.zeros(len(rest), dtype=np.bool_)
     accepted[grouped] = rises[owner[grouped], rank]
@@ -114,9 +120,11 @@ def improve_incrementally(
             least = int(down.argmin())
             if not np.isfinite(down[least]):
                 break
+            # The paper's end: the step down would undo the step up that was just made.
             same = least == best and column[least] + 1 == before[least]
             column[least] += 1
             steps += 1
+        # The exchange brought nothing, or could not be paid for.
         if same or float(_of(cost, column).sum()) > budget:
             return before, steps
     return column, steps
@@ -168,6 +176,7 @@ def _walk(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int, am
         if not len(moving):
             break
         limit = np.minimum if step < 0 else np.maximum
+        # Running minimum or maximum along the object: no later step stands before an earlier one.
         key[moving] = limit(key[moving], slope[moving])
         price = cost[moving, at[moving] + step] - cost[moving, at[moving]]
         owners.append(moving)
@@ -180,8 +189,10 @@ def _walk(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int, am
     if not owners:
         return 0
     owner, price = np.concatenate(owners), np.concatenate(prices)
+    # Stable, and rounds are in sequence: of equal keys an object's earlier step stands first.
     order = np.argsort(step * np.concatenate(keys), kind="stable")
     total = np.cumsum(price[order])
+    # Raising ends before the step that does not fit, lowering with the one that makes it fit.
     side = "right" if step < 0 else "left"
     count = int(np.searchsorted(total, amount, side=side)) + (step > 0)
     moved = np.bincount(owner[order[:count]], minlength=len(column))

@@ -43,13 +43,16 @@ class LeafTree:
     def __post_init__(self) -> None:
         parent, depth = self.scene.parent, self.tree.depth
         layers = [np.flatnonzero(depth == d) for d in range(int(depth.max()) + 1)]
+        # Leaves below each node, summed from the deepest layer up.
         count = self.member.astype(np.int64)
         for layer in layers[:0:-1]:
             np.add.at(count, parent[layer], count[layer])
+        # A node's leaves begin where its parent's do, behind those of the siblings before it.
         first = np.zeros(len(parent), dtype=np.int64)
         for layer in layers:
             family = layer[np.argsort(parent[layer], kind="stable")]
             before = np.cumsum(count[family]) - count[family]
+            # -2 is nobody's parent: the roots, whose parent is -1, begin a family of their own.
             eldest = np.flatnonzero(np.diff(parent[family], prepend=-2))
             start = np.repeat(before[eldest], np.diff(eldest, append=len(family)))
             above = parent[family]
@@ -111,12 +114,14 @@ def split_variables(
         highest of their least resolutions is split.
     epsilon : float
     """
+    # Ranges of `tree` count all leaves; these count the drawn ones.
     place = np.concatenate(([0], np.cumsum(drawn)))
     values = np.stack((weight, share, high))
     floor = np.divide(low, high, out=np.ones(len(low)), where=high > 0.0)
     start: list[IntArray] = [np.zeros(0, dtype=np.int64)]
     loss, allowed, visited = 0.0, 0.0, 0
     nodes = tree.scene.roots
+    # The recursion of Algorithm 1, all nodes of one depth at a time.
     while True:
         first, stop = place[tree.first[nodes]], place[tree.stop[nodes]]
         some = stop > first
@@ -126,6 +131,7 @@ def split_variables(
         visited += len(nodes)
         count = stop - first
         lost, payable = _lost(first, stop, values, floor)
+        # The printed test, `count` for 2^(d_max - d).  A leaf alone loses nothing by sharing.
         shared = (lost < epsilon / count) & payable & (count > 1)
         start.append(first[shared | (count == 1)])
         loss += float(lost[shared].sum())
@@ -140,12 +146,15 @@ def _lost(
 
     `values` are weight, share and greatest cost of leaves, `floor` their least resolution.
     """
+    # `reduceat` reduces between neighbours of the list: every second result is of a gap.
     ends = np.stack((first, stop), axis=1).ravel()
     # One place more, because a range may end with the last leaf.
     padded = np.concatenate((values, np.zeros((3, 1))), axis=1)
     weight, spend, full = np.add.reduceat(padded, ends, axis=1)[:, ::2]
     least = np.minimum.reduceat(padded[2], ends)[::2]
     highest = np.maximum.reduceat(np.append(floor, 0.0), ends)[::2]
+    # Appendix A's worst case, all weight on one leaf: with equal leaves this part is its 1 / n.
     part = np.divide(least, full, out=np.ones(len(full)), where=full > 0.0)
+    # Sums in another order differ in the last bits, which must not split a node that just pays.
     payable = full * highest <= spend * (1.0 + 1e-12)
     return weight * np.sqrt(spend) * (1.0 - np.sqrt(part)), payable

@@ -1,4 +1,4 @@
-"""Pictures at a policy's levels held against full detail: per-pixel difference and SSIM."""
+"""Pictures at a policy's levels compared with full detail: per-pixel difference and SSIM."""
 
 from dataclasses import dataclass
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""Error, benefit and degradation of what a frame shows, held against full detail."""
+"""Error, benefit and degradation of what a frame shows, beside those of full detail."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -125,7 +125,7 @@ def test_frames_as_compare_writes_them(record: Record) -> None:
 
 
 def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
-    """They are the pictures that they are held against; a second recording replaces the first."""
+    """They are the pictures that they are compared with; a second recording replaces the first."""
     full = ["--policy", "full", "--images", "pictures", "--json"]
     assert record(*full, "--image-every", "4") == 0
     capsys.readouterr()

@@ -1,4 +1,4 @@
-"""Blocks of frames, and intervals held against known sampling distributions."""
+"""Blocks of frames, and intervals compared with known sampling distributions."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The oracle, held against enumeration, HiGHS and its own bound."""
+"""The oracle, compared with enumeration, HiGHS and its own bound."""
 
 import itertools
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Increments in bulk, held against one at a time."""
+"""Increments in bulk, compared with one at a time."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The multiple-choice knapsack, held against brute force and HiGHS."""
+"""The multiple-choice knapsack, compared with brute force and HiGHS."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""Increments and smooth variables in turn, held against every front with its best shares."""
+"""Increments and smooth variables in turn, compared with every front with its best shares."""
 
 import itertools
 from typing import Any

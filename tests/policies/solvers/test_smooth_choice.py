@@ -1,4 +1,4 @@
-"""The convex optimum with continuous objects, held against casadi's ipopt and closed forms."""
+"""The convex optimum with continuous objects, compared with casadi's ipopt and closed forms."""
 
 import casadi as ca
 import numpy as np

@@ -1,4 +1,4 @@
-"""Funkhouser and Séquin's algorithms in bulk, held against one step at a time."""
+"""Funkhouser and Séquin's algorithms in bulk, compared with one step at a time."""
 
 import numpy as np
 from hypothesis import given

@@ -212,7 +212,7 @@ def test_closed_loop_for_real(target: Any, plaza: Any, tour: Any, llvmpipe: Any)
 def test_full_detail_is_the_full_picture(
     target: Any, plaza: Any, tour: Any, llvmpipe: Any, tmp_path: Any
 ) -> None:
-    """The picture of a policy at full detail is that which it is held against: SSIM is 1."""
+    """The picture of a policy at full detail is the one that it is compared with: SSIM is 1."""
     scene, geometry = plaza
     renderer = Renderer(target, scene, geometry, instancing=False)
     hardware = recorded_hardware(llvmpipe, (160, 90))
