@@ -35,7 +35,7 @@ def _template() -> "Template":
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["draw"] = _draw
+    environment.globals["draw"] = _draw
     return environment.get_template("page.html")
 
 
