@@ -6,13 +6,15 @@ from typing import Annotated
 
 import typer
 
+from .shared.options import AsJson
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder that `compare --out` wrote.")]
+
 
 def report(
-    run: Annotated[
-        Path, typer.Argument(metavar="DIR", help="A folder that `compare --out` wrote.")
-    ],
+    run: Folder,
     *,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write DIR/report.html again from comparison.json and the frame logs beside it."""
     from ..analysis.study.comparison_folder import rewrite_report

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .shared.options import AsJson
+
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..traces.cameras.camera_trace import CameraTrace
     from ..traces.cameras.place import Placement
@@ -16,6 +18,7 @@ app = typer.Typer(
     name="trace",
     help="Look at camera traces, convert them, and generate them.",
     no_args_is_help=True,
+    add_completion=False,
 )
 
 Spec = Annotated[
@@ -29,7 +32,6 @@ To = Annotated[
     str | None,
     typer.Option("--to", metavar="FORMAT", help="csv, parquet or tum; else the suffix decides."),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Scale = Annotated[float, typer.Option(help="Factor on positions, and so on speeds.")]
 Offset = Annotated[
     tuple[float, float, float],
@@ -44,7 +46,7 @@ def info(
     trace: Spec,
     *,
     source: From = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
     up: Up = "z",
@@ -82,7 +84,7 @@ def convert(
     *,
     source: From = None,
     target: To = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
     up: Up = "z",
@@ -124,7 +126,7 @@ def generate(
         float | None, typer.Option(help="Camera above the middle; else the kind's own.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Same seed, same trace.")] = 0,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Make up a trace of one kind of movement."""
     from ..traces.cameras.generators.generate import generate as generate_trace

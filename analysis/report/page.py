@@ -19,7 +19,7 @@ def render_page(title: str, subtitle: str, sections: Iterable[Section]) -> str:
     from plotly.offline import get_plotlyjs
 
     return _template().render(
-        title=title, subtitle=subtitle, sections=sections, plotly=get_plotlyjs()
+        title=title, subtitle=subtitle, sections=sections, plotly=get_plotlyjs(), draw=_draw
     )
 
 
@@ -35,7 +35,6 @@ def _template() -> "Template":
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals["draw"] = _draw
     return environment.get_template("page.html")
 
 

@@ -14,7 +14,10 @@ def titled_table(title: str, columns: Sequence[str], left: Sequence[str] = ()) -
 
     table = Table(title=Text(title))
     for column in columns:
-        table.add_column(column, justify="left" if column in (columns[0], *left) else "right")
+        if column in (columns[0], *left):
+            table.add_column(column, overflow="fold")
+        else:
+            table.add_column(column, justify="right", no_wrap=True)
     return table
 
 
