@@ -1,1 +1,1 @@
-"""Simulated replays held against recorded ones."""
+"""Simulated replays compared with recorded ones."""
