@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Exit, Option
 
 from .shared import options
 
@@ -17,33 +17,31 @@ if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
 
 Run = Annotated[
     Path | None,
-    typer.Argument(
+    Argument(
         metavar="[DIR]",
         help="A folder that `compare --out` wrote, to be judged instead of a run of its own.",
     ),
 ]
 LimitsFile = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         help="Limits in TOML; else work_ms_p95 within the budget, and, with a baseline, "
         "frame_ms_p99 at most 2.5% up."
     ),
 ]
-Scenes = Annotated[
-    list[str] | None, typer.Option(help="A bundled scene or a file; may be repeated.")
-]
+Scenes = Annotated[list[str] | None, Option(help="A bundled scene or a file; may be repeated.")]
 Traces = Annotated[
-    list[str] | None, typer.Option(help="`tour`, a kind of movement, or a file; may be repeated.")
+    list[str] | None, Option(help="`tour`, a kind of movement, or a file; may be repeated.")
 ]
-Baseline = Annotated[Path, typer.Option(help="What relative limits are compared with.")]
+Baseline = Annotated[Path, Option(help="What relative limits are compared with.")]
 UpdateBaseline = Annotated[
-    bool, typer.Option("--update-baseline", help="Write the baseline instead of judging.")
+    bool, Option("--update-baseline", help="Write the baseline instead of judging.")
 ]
-Strict = Annotated[bool, typer.Option("--strict", help="An undecided limit fails the check.")]
-JUnit = Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")]
-GitHub = Annotated[bool, typer.Option("--github", help="Print annotations for GitHub Actions too.")]
-FirstSeed = Annotated[int, typer.Option(help="The first seed.")]
-Seeds = Annotated[int, typer.Option(help="Replays of each policy, a seed each.")]
+Strict = Annotated[bool, Option("--strict", help="An undecided limit fails the check.")]
+JUnit = Annotated[Path | None, Option(metavar="FILE", help="Write JUnit XML.")]
+GitHub = Annotated[bool, Option("--github", help="Print annotations for GitHub Actions too.")]
+FirstSeed = Annotated[int, Option(help="The first seed.")]
+Seeds = Annotated[int, Option(help="Replays of each policy, a seed each.")]
 
 
 def check(
@@ -103,7 +101,7 @@ def check(
         write_junit(junit, report)
     _print(report, limits, as_json=as_json, github=github)
     if not report.passed:
-        raise typer.Exit(1)
+        raise Exit(1)
 
 
 def _update(
@@ -120,7 +118,7 @@ def _update(
     broken = [item for item in measured if item.failed]
     if broken:
         print(f"FAILS: {broken[0].policy}: {broken[0].reason}", file=sys.stderr)
-        raise typer.Exit(1)
+        raise Exit(1)
     write_baseline(path, make_baseline(conditions, measured, limits))
     if as_json:
         print(json.dumps({"schema": "lodbench.check/1", "baseline": str(path)}))

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
@@ -17,32 +17,30 @@ if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
 
 Policies = Annotated[
     list[str] | None,
-    typer.Option(
-        help=f"{options.POLICY_HELP}; may be repeated. Without it, every registered policy."
-    ),
+    Option(help=f"{options.POLICY_HELP}; may be repeated. Without it, every registered policy."),
 ]
 Out = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         metavar="DIR",
         help="Write report.html, comparison.json and frames/POLICY.parquet. "
         "Only a folder that compare wrote is replaced.",
     ),
 ]
-Wide = Annotated[bool, typer.Option("--wide", help="Print every metric with its interval.")]
+Wide = Annotated[bool, Option("--wide", help="Print every metric with its interval.")]
 Display = Annotated[
-    str | None, typer.Option(help="immediate, vsync, mailbox or vrr; else the profile's.")
+    str | None, Option(help="immediate, vsync, mailbox or vrr; else the profile's.")
 ]
-RefreshHz = Annotated[float | None, typer.Option(help="Refresh rate; else the profile's.")]
-FramesInFlight = Annotated[int | None, typer.Option(help="1 to 4; else the profile's.")]
+RefreshHz = Annotated[float | None, Option(help="Refresh rate; else the profile's.")]
+FramesInFlight = Annotated[int | None, Option(help="1 to 4; else the profile's.")]
 CrossfadeMs = Annotated[
-    float, typer.Option(help="Time for which a switched node is drawn at both levels.")
+    float, Option(help="Time for which a switched node is drawn at both levels.")
 ]
 MeasurementDelay = Annotated[
-    int, typer.Option(help="Frames after completion until a policy learns a frame's time.")
+    int, Option(help="Frames after completion until a policy learns a frame's time.")
 ]
 FaultyTimers = Annotated[
-    str, typer.Option(help="Faulty timers: missing=SHARE,zero=SHARE,stale=SHARE,saturated_ms=MS.")
+    str, Option(help="Faulty timers: missing=SHARE,zero=SHARE,stale=SHARE,saturated_ms=MS.")
 ]
 
 
@@ -105,7 +103,7 @@ def compare(
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:
-        raise typer.Exit(1)
+        raise Exit(1)
 
 
 def _adjusted(

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option
 
 from ..base.errors import InputError
 from .shared.options import AsJson
@@ -16,20 +16,20 @@ if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
 def export(
     run: Annotated[
         Path,
-        typer.Argument(
+        Argument(
             metavar="RUN", help="A folder that `compare --out` wrote, or one frames/POLICY.parquet."
         ),
     ],
     *,
     export_format: Annotated[
-        str, typer.Option("--format", help="presentmon, capframex or chrome-trace.")
+        str, Option("--format", help="presentmon, capframex or chrome-trace.")
     ],
     policy: Annotated[
-        str | None, typer.Option(help="Which policy of a folder, by its name or its file's.")
+        str | None, Option(help="Which policy of a folder, by its name or its file's.")
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="File to write; else POLICY and the format's ending, here."),
+        Option("--out", help="File to write; else POLICY and the format's ending, here."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
@@ -18,73 +18,66 @@ if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
 
 Logs = Annotated[
     list[str] | None,
-    typer.Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
+    Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
 ]
 Bundled = Annotated[
     str | None,
-    typer.Option(
+    Option(
         metavar="PROFILE",
         help="Instead of LOG, what this bundled profile was fitted to, with its settings.",
     ),
 ]
 Target = Annotated[
     str | None,
-    typer.Option(help="gpu_ms, cpu_ms or frame_ms; else gpu_ms, or frame_ms if that is unfit."),
+    Option(help="gpu_ms, cpu_ms or frame_ms; else gpu_ms, or frame_ms if that is unfit."),
 ]
 Terms = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="Predictors, as in draw_calls,triangles; also a*b and max(triangles,"
         "shaded_samples).  auto, the default: the set that predicts held-out frames best."
     ),
 ]
-Mapping = Annotated[
-    str, typer.Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")
-]
+Mapping = Annotated[str, Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")]
 LogFormat = Annotated[
-    str | None, typer.Option("--format", help="Format of the logs; else their content decides.")
+    str | None, Option("--format", help="Format of the logs; else their content decides.")
 ]
-NoiseModel = Annotated[str, typer.Option(help="student-t, or gaussian of constant scale.")]
-Walkers = Annotated[int, typer.Option(min=4, help="Walkers of the ensemble.")]
-Steps = Annotated[int, typer.Option(min=20, help="Steps at most.")]
-ChainSeed = Annotated[int, typer.Option(min=0, help="Same seed, same posterior.")]
+NoiseModel = Annotated[str, Option(help="student-t, or gaussian of constant scale.")]
+Walkers = Annotated[int, Option(min=4, help="Walkers of the ensemble.")]
+Steps = Annotated[int, Option(min=20, help="Steps at most.")]
+ChainSeed = Annotated[int, Option(min=0, help="Same seed, same posterior.")]
 HeldOut = Annotated[
     str,
-    typer.Option(
+    Option(
         help="blocks, halves, interleaved, leave-one-out or none; auto: blocks, or each frame in "
         "turn where there are few."
     ),
 ]
 Predict = Annotated[
     list[str] | None,
-    typer.Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
+    Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
 ]
 FirstFrames = Annotated[
     int | None,
-    typer.Option(
+    Option(
         min=0,
         help="Frames at the start of each log that are left out; else 3, or none where the header "
         "says `rows: averages`.",
     ),
 ]
-Resume = Annotated[
-    Path | None, typer.Option(help="Keep the chain in this .npz, and go on from it.")
-]
+Resume = Annotated[Path | None, Option(help="Keep the chain in this .npz, and go on from it.")]
 Strict = Annotated[
-    bool,
-    typer.Option("--strict", help="Exit with 1 if the chain is too short, and write nothing."),
+    bool, Option("--strict", help="Exit with 1 if the chain is too short, and write nothing.")
 ]
-Plots = Annotated[Path | None, typer.Option(metavar="DIR", help="Write trace.png and corner.png.")]
-Out = Annotated[
-    Path | None, typer.Option(metavar="PROFILE.toml", help="Write the hardware profile.")
-]
+Plots = Annotated[Path | None, Option(metavar="DIR", help="Write trace.png and corner.png.")]
+Out = Annotated[Path | None, Option(metavar="PROFILE.toml", help="Write the hardware profile.")]
 Onto = Annotated[
     str | None,
-    typer.Option(
+    Option(
         metavar="PROFILE", help="Where the profile's other parts come from: CPU, display, disk."
     ),
 ]
-Date = Annotated[str, typer.Option(help="Date of the measurement, for the profile.")]
+Date = Annotated[str, Option(help="Date of the measurement, for the profile.")]
 
 
 def fit(
@@ -140,7 +133,7 @@ def fit(
     if doubt:
         print(f"warning: {doubt}: intervals are not to be trusted; raise --steps", file=sys.stderr)
     if doubt and strict:
-        raise typer.Exit(1)
+        raise Exit(1)
     if out is not None:
         from ..analysis.fit.fitted_profile import profile_of
         from ..models.machine.profile_writer import write_profile

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from enum import StrEnum
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Typer
 
 from .shared.options import AsJson
 
@@ -17,7 +17,7 @@ _ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in 
 _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
 
 
-app = typer.Typer(add_completion=False)
+app = Typer(add_completion=False)
 
 
 class Kind(StrEnum):
@@ -32,7 +32,7 @@ class Kind(StrEnum):
 
 @app.command("list")
 def list_known(
-    kind: Annotated[Kind, typer.Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
+    kind: Annotated[Kind, Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
     *,
     as_json: AsJson = False,
 ) -> None:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Option
 
 from ..base.errors import InputError
 from .shared import options
@@ -13,30 +13,27 @@ from .shared.progress import progress_bar
 
 Calibrate = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--calibrate",
         help="Instead of a policy, draw what spreads the predictors of a fit: random levels, "
         "swings, levels by size, shares of the objects, sizes of the picture.",
     ),
 ]
-Out = Annotated[Path, typer.Option(metavar="LOG", help="Render log, .parquet or .csv.")]
+Out = Annotated[Path, Option(metavar="LOG", help="Render log, .parquet or .csv.")]
 FrameLogOut = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE.parquet", help="Also write a frame log, as compare does."),
+    Path | None, Option(metavar="FILE.parquet", help="Also write a frame log, as compare does.")
 ]
 Images = Annotated[
     Path | None,
-    typer.Option(
-        metavar="DIR", help="Write pictures beside full detail, and images.csv with SSIM."
-    ),
+    Option(metavar="DIR", help="Write pictures beside full detail, and images.csv with SSIM."),
 ]
-ImageEvery = Annotated[int, typer.Option(help="Frames from picture to picture.")]
-Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT of the picture.")]
-Hardware = Annotated[str, typer.Option(help="Profile that predictive policies go by.")]
+ImageEvery = Annotated[int, Option(help="Frames from picture to picture.")]
+Size = Annotated[str, Option(help="WIDTHxHEIGHT of the picture.")]
+Hardware = Annotated[str, Option(help="Profile that predictive policies go by.")]
 Frames = Annotated[
-    int | None, typer.Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate.")
+    int | None, Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate.")
 ]
-CalibrationSeed = Annotated[int, typer.Option(help="Seed of --calibrate.")]
+CalibrationSeed = Annotated[int, Option(help="Seed of --calibrate.")]
 
 
 def record(

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option, Typer
 
 from .scene_hlod import build_hlod
 from .shared import options
@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..models.meshes.simplify import ChainOptions
     from ..models.meshes.type_model import TypeModel
 
-app = typer.Typer(
+app = Typer(
     name="scene",
     help="Build scenes from meshes, and look at them.",
     no_args_is_help=True,
@@ -27,33 +27,31 @@ app = typer.Typer(
 )
 app.command("build-hlod")(build_hlod)
 
-Ratio = Annotated[float, typer.Option(help="Triangles of a level over the finer one's.")]
-MinTriangles = Annotated[int, typer.Option(help="No level aims lower.")]
-Continuous = Annotated[
-    bool, typer.Option(help="Continuous types: knots of an ordered mesh, not levels.")
-]
-Knots = Annotated[int, typer.Option(help="Knots at most, if continuous.")]
-KeepTexture = Annotated[bool, typer.Option(help="Hold texture seams in place, if continuous.")]
-Count = Annotated[int, typer.Option(help="Objects in all, in equal shares.")]
-ScaleVariation = Annotated[float, typer.Option(help="Scales are uniform in 1 ± this.")]
+Ratio = Annotated[float, Option(help="Triangles of a level over the finer one's.")]
+MinTriangles = Annotated[int, Option(help="No level aims lower.")]
+Continuous = Annotated[bool, Option(help="Continuous types: knots of an ordered mesh, not levels.")]
+Knots = Annotated[int, Option(help="Knots at most, if continuous.")]
+KeepTexture = Annotated[bool, Option(help="Hold texture seams in place, if continuous.")]
+Count = Annotated[int, Option(help="Objects in all, in equal shares.")]
+ScaleVariation = Annotated[float, Option(help="Scales are uniform in 1 ± this.")]
 SceneName = Annotated[
     str,
-    typer.Argument(
+    Argument(
         metavar="SCENE", help="A bundled scene's name, a scene file, a tileset.json, or glTF."
     ),
 ]
 Picture = Annotated[
-    Path | None, typer.Option(help="Write a PNG of one frame, coloured by level of detail.")
+    Path | None, Option(help="Write a PNG of one frame, coloured by level of detail.")
 ]
 PicturePolicy = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="Whose levels the picture shows; else static-screen, or in a tree screen-space-error."
     ),
 ]
-PictureTrace = Annotated[str, typer.Option(help="What moves the picture's camera.")]
-Frame = Annotated[int, typer.Option(help="Frame of the replay to picture.")]
-PictureHardware = Annotated[str, typer.Option(help="The profile that the policy is replayed on.")]
+PictureTrace = Annotated[str, Option(help="What moves the picture's camera.")]
+Frame = Annotated[int, Option(help="Frame of the replay to picture.")]
+PictureHardware = Annotated[str, Option(help="The profile that the policy is replayed on.")]
 
 
 @app.command()

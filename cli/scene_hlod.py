@@ -3,18 +3,16 @@
 from dataclasses import asdict
 from typing import Annotated
 
-import typer
+from typer import Option
 
 from .shared import options
 from .shared.scene_output import check_scene_options, write_built
 
-DesiredTriangles = Annotated[int, typer.Option(help="Triangles wanted in each node.")]
+DesiredTriangles = Annotated[int, Option(help="Triangles wanted in each node.")]
 LevelFactor = Annotated[
-    int, typer.Option(help="Pieces of a node, and triangles of a level over the coarser's.")
+    int, Option(help="Pieces of a node, and triangles of a level over the coarser's.")
 ]
-Count = Annotated[
-    int | None, typer.Option(help="Trees in all, in equal shares; else one of each mesh.")
-]
+Count = Annotated[int | None, Option(help="Trees in all, in equal shares; else one of each mesh.")]
 
 
 def build_hlod(

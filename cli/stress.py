@@ -6,33 +6,33 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from .shared import options
 from .shared.inputs import frame_budget
 from .shared.progress import progress_bar
 
-Policy = Annotated[str, typer.Argument(help=f"{options.POLICY_HELP}.")]
+Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[
     str,
-    typer.Option(
+    Option(
         help="What to look for: overshoot (longest work time over the budget), toggles (a frame) "
         "or lag (99th percentile, ms)."
     ),
 ]
 Out = Annotated[
     Path,
-    typer.Option(
+    Option(
         metavar="FILE.csv",
         help="Where to save the path; limits that keep it a test are saved beside it.",
     ),
 ]
-SpeedMS = Annotated[float, typer.Option(help="Highest speed of the camera.")]
-TurnDegS = Annotated[float, typer.Option(help="Highest turn rate of the camera.")]
-DurationS = Annotated[float, typer.Option(help="Length of the path.")]
-Legs = Annotated[int, typer.Option(help="Parts of the path of steady speed and turn.")]
-Evaluations = Annotated[int, typer.Option(help="Paths to try.")]
-PathSeed = Annotated[int, typer.Option(help="Same seed, same path.")]
+SpeedMS = Annotated[float, Option(help="Highest speed of the camera.")]
+TurnDegS = Annotated[float, Option(help="Highest turn rate of the camera.")]
+DurationS = Annotated[float, Option(help="Length of the path.")]
+Legs = Annotated[int, Option(help="Parts of the path of steady speed and turn.")]
+Evaluations = Annotated[int, Option(help="Paths to try.")]
+PathSeed = Annotated[int, Option(help="Same seed, same path.")]
 
 
 def stress(

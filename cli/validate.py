@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
 from ..base.errors import InputError
 from .record import parse_size
@@ -26,16 +26,14 @@ POLICIES = (
 """Policies of different kinds: none, by distance, by size, from measured times, from a model."""
 
 
-Hardware = Annotated[str, typer.Option(help="The profile to be tested: bundled, or a TOML file.")]
+Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]
 Policies = Annotated[
     list[str] | None,
-    typer.Option(
-        help=f"{options.POLICY_HELP}; may be repeated.  Without it, {', '.join(POLICIES)}."
-    ),
+    Option(help=f"{options.POLICY_HELP}; may be repeated.  Without it, {', '.join(POLICIES)}."),
 ]
 RecordedIn = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         metavar="DIR",
         help="Take the recordings that an earlier validate wrote there, with its scene, trace, "
         "budget and size; how they were drawn is theirs.",
@@ -43,16 +41,16 @@ RecordedIn = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         metavar="DIR", help="Write report.html, validation.json, and logs recorded and simulated."
     ),
 ]
-Size = Annotated[str | None, typer.Option(help="WIDTHxHEIGHT of the picture; else the profile's.")]
-Seconds = Annotated[float, typer.Option(help="How much of the trace, from its start.")]
+Size = Annotated[str | None, Option(help="WIDTHxHEIGHT of the picture; else the profile's.")]
+Seconds = Annotated[float, Option(help="How much of the trace, from its start.")]
 Passes = Annotated[
-    int, typer.Option(help="Recordings of each policy; a second shows the machine's own noise.")
+    int, Option(help="Recordings of each policy; a second shows the machine's own noise.")
 ]
-NoiseSeed = Annotated[int, typer.Option(help="Seed of the simulated noise.")]
+NoiseSeed = Annotated[int, Option(help="Seed of the simulated noise.")]
 
 
 def validate(

@@ -39,8 +39,7 @@ Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results
 # How frames are drawn with OpenGL.
 Backend = Annotated[str, Option(help="egl, off screen, or window.")]
 Instancing = Annotated[
-    bool,
-    Option("--instancing", help="Draw all instances of a level at once, not each on its own."),
+    bool, Option("--instancing", help="Draw all instances of a level at once, not each on its own.")
 ]
 Repeats = Annotated[int, Option(help="Times that each frame is drawn; the median counts.")]
 Threads = Annotated[int, Option(help="Threads of llvmpipe beside the caller's; 0 is the quietest.")]
