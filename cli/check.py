@@ -6,79 +6,69 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Exit, Option
+
+from .shared import options
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..analysis.gate.check_result import Report
     from ..analysis.gate.limits import Limits
     from ..analysis.gate.measurements import Conditions, Measured
 
+Run = Annotated[
+    Path | None,
+    Argument(
+        metavar="[DIR]",
+        help="A folder that `compare --out` wrote, to be judged instead of a run of its own.",
+    ),
+]
+LimitsFile = Annotated[
+    Path | None,
+    Option(
+        help="Limits in TOML; else work_ms_p95 within the budget, and, with a baseline, "
+        "frame_ms_p99 at most 2.5% up."
+    ),
+]
+Scenes = Annotated[list[str] | None, Option(help="A bundled scene or a file; may be repeated.")]
+Traces = Annotated[
+    list[str] | None, Option(help="`tour`, a kind of movement, or a file; may be repeated.")
+]
+Baseline = Annotated[Path, Option(help="What relative limits are compared with.")]
+UpdateBaseline = Annotated[
+    bool, Option("--update-baseline", help="Write the baseline instead of judging.")
+]
+Strict = Annotated[bool, Option("--strict", help="An undecided limit fails the check.")]
+JUnit = Annotated[Path | None, Option(metavar="FILE", help="Write JUnit XML.")]
+GitHub = Annotated[bool, Option("--github", help="Print annotations for GitHub Actions too.")]
+FirstSeed = Annotated[int, Option(help="The first seed.")]
+Seeds = Annotated[int, Option(help="Replays of each policy, a seed each.")]
+
 
 def check(
-    run: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="[DIR]",
-            help="A folder that `compare --out` wrote, to be judged instead of a run of its own.",
-        ),
-    ] = None,
+    run: Run = None,
     *,
-    limits: Annotated[
-        Path | None,
-        typer.Option(
-            help="Limits in TOML; else work_ms_p95 within the budget, and, with a "
-            "baseline, frame_ms_p99 at most 2.5% up."
-        ),
-    ] = None,
-    policy: Annotated[
-        list[str] | None,
-        typer.Option(help="NAME, NAME:key=value, or file.py:Class; may be repeated."),
-    ] = None,
-    scene: Annotated[
-        list[str] | None, typer.Option(help="A bundled scene or a file; may be repeated.")
-    ] = None,
-    trace: Annotated[
-        list[str] | None,
-        typer.Option(help="`tour`, a kind of movement, or a file; may be repeated."),
-    ] = None,
-    hardware: Annotated[
-        str, typer.Option(help="A bundled profile, or a TOML file.")
-    ] = "desktop-assumed",
-    baseline: Annotated[Path, typer.Option(help="What relative limits are held against.")] = Path(
-        "baseline.json"
-    ),
-    update_baseline: Annotated[
-        bool, typer.Option("--update-baseline", help="Write the baseline instead of judging.")
-    ] = False,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="An undecided limit fails the check.")
-    ] = False,
-    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
-    github: Annotated[
-        bool, typer.Option("--github", help="Print annotations for GitHub Actions too.")
-    ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    budget_ms: Annotated[
-        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="The first seed.")] = 0,
-    seeds: Annotated[int, typer.Option(help="Replays of each policy, a seed each.")] = 4,
-    frames: Annotated[
-        int | None, typer.Option(help="Frames to replay; else as long as the trace lasts.")
-    ] = None,
-    warmup: Annotated[int, typer.Option(help="Frames at the start that do not count.")] = 30,
-    draws: Annotated[
-        int, typer.Option(help="Posterior draws of the cost model to replay, if there are any.")
-    ] = 16,
-    resamples: Annotated[int, typer.Option(help="Bootstrap resamples.")] = 200,
-    place: Annotated[
-        str, typer.Option(help="How a trace's file is put into a scene: shrink, fit, center, none.")
-    ] = "shrink",
-    workers: Annotated[
-        int, typer.Option(help="Processes; 0 for one a processor.  Results are the same.")
-    ] = 0,
+    limits: LimitsFile = None,
+    policy: options.Policies = None,
+    scene: Scenes = None,
+    trace: Traces = None,
+    hardware: options.Hardware = "desktop-assumed",
+    baseline: Baseline = Path("baseline.json"),
+    update_baseline: UpdateBaseline = False,
+    strict: Strict = False,
+    junit: JUnit = None,
+    github: GitHub = False,
+    as_json: options.AsJson = False,
+    budget_ms: options.BudgetMs = None,
+    seed: FirstSeed = 0,
+    seeds: Seeds = 4,
+    frames: options.Frames = None,
+    warmup: options.Warmup = 30,
+    draws: options.Draws = 16,
+    resamples: options.Resamples = 200,
+    place: options.Place = "shrink",
+    workers: options.Workers = 0,
 ) -> None:
-    """Hold a policy's frame times and flicker against limits: 0 passed, 1 failed, 2 bad input."""
+    """Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input."""
     from ..analysis.gate.check import Plan, judge_measured, measure_plan
     from ..analysis.gate.limits_file import choose_limits
     from ..analysis.gate.measurements import Sampling, measure_run
@@ -98,9 +88,8 @@ def check(
             warmup=warmup,
             place=place,
         )
-        sampling = Sampling(
-            seeds=seeds, resamples=resamples, draws=draws, workers=workers or os.cpu_count() or 1
-        )
+        processes = workers or os.cpu_count() or 1
+        sampling = Sampling(seeds=seeds, resamples=resamples, draws=draws, workers=processes)
         conditions, measured = measure_plan(plan, sampling)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)
@@ -112,7 +101,7 @@ def check(
         write_junit(junit, report)
     _print(report, limits, as_json=as_json, github=github)
     if not report.passed:
-        raise typer.Exit(1)
+        raise Exit(1)
 
 
 def _update(
@@ -129,7 +118,7 @@ def _update(
     broken = [item for item in measured if item.failed]
     if broken:
         print(f"FAILS: {broken[0].policy}: {broken[0].reason}", file=sys.stderr)
-        raise typer.Exit(1)
+        raise Exit(1)
     write_baseline(path, make_baseline(conditions, measured, limits))
     if as_json:
         print(json.dumps({"schema": "lodbench.check/1", "baseline": str(path)}))

@@ -1,12 +1,13 @@
 """`lodbench compare`: replay policies in one world and score them on the same footing."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Exit, Option
 
 from ..base.errors import InputError
+from .shared import options
+from .shared.inputs import frame_budget, open_named_scene, table_console
 from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
@@ -14,116 +15,87 @@ if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..models.machine.hardware import HardwareProfile
     from ..sim.faults import Faults
 
-Text = str | None
+Policies = Annotated[
+    list[str] | None,
+    Option(help=f"{options.POLICY_HELP}; may be repeated. Without it, every registered policy."),
+]
+Out = Annotated[
+    Path | None,
+    Option(
+        metavar="DIR",
+        help="Write report.html, comparison.json and frames/POLICY.parquet. "
+        "Only a folder that compare wrote is replaced.",
+    ),
+]
+Wide = Annotated[bool, Option("--wide", help="Print every metric with its interval.")]
+Display = Annotated[
+    str | None, Option(help="immediate, vsync, mailbox or vrr; else the profile's.")
+]
+RefreshHz = Annotated[float | None, Option(help="Refresh rate; else the profile's.")]
+FramesInFlight = Annotated[int | None, Option(help="1 to 4; else the profile's.")]
+CrossfadeMs = Annotated[
+    float, Option(help="Time for which a switched node is drawn at both levels.")
+]
+MeasurementDelay = Annotated[
+    int, Option(help="Frames after completion until a policy learns a frame's time.")
+]
+FaultyTimers = Annotated[
+    str, Option(help="Faulty timers: missing=SHARE,zero=SHARE,stale=SHARE,saturated_ms=MS.")
+]
 
 
 def compare(
     *,
-    scene: Annotated[str, typer.Option(help="A bundled scene, or a scene file.")] = "plaza",
-    trace: Annotated[
-        str,
-        typer.Option(help="`tour`, a kind of movement (`list traces`), or FILE, FILE#SELECTOR."),
-    ] = "tour",
-    hardware: Annotated[
-        str, typer.Option(help="A bundled profile, or a TOML file.")
-    ] = "desktop-assumed",
-    policy: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="NAME, NAME:key=value,key=value, or file.py:Class; may be repeated. "
-            "Without it, every registered policy."
-        ),
-    ] = None,
-    budget_ms: Annotated[
-        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Same seed, same results.")] = 0,
-    frames: Annotated[
-        int | None, typer.Option(help="Frames to replay; else as long as the trace lasts.")
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Write report.html, comparison.json and frames/POLICY.parquet. "
-            "Only a folder that compare wrote is replaced.",
-        ),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    wide: Annotated[
-        bool, typer.Option("--wide", help="Print every metric with its interval.")
-    ] = False,
-    warmup: Annotated[int, typer.Option(help="Frames at the start that do not count.")] = 30,
-    workers: Annotated[
-        int, typer.Option(help="Processes; 0 for one a processor.  Results are the same.")
-    ] = 0,
-    draws: Annotated[
-        int, typer.Option(help="Posterior draws of the cost model to replay, if there are any.")
-    ] = 16,
-    resamples: Annotated[int, typer.Option(help="Bootstrap resamples.")] = 200,
-    place: Annotated[
-        str,
-        typer.Option(
-            help="How a trace's file is put into the scene: shrink (centred, scaled down if "
-            "larger), fit (scaled to fill it), center or none."
-        ),
-    ] = "shrink",
-    display: Annotated[
-        Text, typer.Option(help="immediate, vsync, mailbox or vrr; else the profile's.")
-    ] = None,
-    refresh_hz: Annotated[
-        float | None, typer.Option(help="Refresh rate; else the profile's.")
-    ] = None,
-    frames_in_flight: Annotated[
-        int | None, typer.Option(help="1 to 4; else the profile's.")
-    ] = None,
-    fovy_deg: Annotated[float, typer.Option(help="Vertical field of view.")] = 60.0,
-    crossfade_ms: Annotated[
-        float, typer.Option(help="Time for which a switched node is drawn at both levels.")
-    ] = 0.0,
-    measurement_delay: Annotated[
-        int, typer.Option(help="Frames after completion until a policy learns a frame's time.")
-    ] = 0,
-    faults: Annotated[
-        str,
-        typer.Option(help="Faulty timers: missing=SHARE,zero=SHARE,stale=SHARE,saturated_ms=MS."),
-    ] = "",
+    scene: options.Scene = "plaza",
+    trace: options.Trace = "tour",
+    hardware: options.Hardware = "desktop-assumed",
+    policy: Policies = None,
+    budget_ms: options.BudgetMs = None,
+    seed: options.Seed = 0,
+    frames: options.Frames = None,
+    out: Out = None,
+    as_json: options.AsJson = False,
+    wide: Wide = False,
+    warmup: options.Warmup = 30,
+    workers: options.Workers = 0,
+    draws: options.Draws = 16,
+    resamples: options.Resamples = 200,
+    place: options.Place = "shrink",
+    display: Display = None,
+    refresh_hz: RefreshHz = None,
+    frames_in_flight: FramesInFlight = None,
+    fovy_deg: options.FovyDeg = 60.0,
+    crossfade_ms: CrossfadeMs = 0.0,
+    measurement_delay: MeasurementDelay = 0,
+    faults: FaultyTimers = "",
 ) -> None:
     """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
-    from ..analysis.study import compare as analysis
+    from ..analysis.study import compare as study
     from ..analysis.study.comparison_folder import check_target, write_results
     from ..analysis.study.inputs import load_trace
     from ..models.machine.profile_catalog import load_hardware
-    from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import default_policies, parse_policy
     from ..sim.replay import ReplayOptions
-    from .shared.scene_output import opening
 
     if out is not None:
         check_target(out)
     profile = _adjusted(load_hardware(hardware), display, refresh_hz, frames_in_flight)
-    with opening(scene):
-        loaded = load_scene(scene)
+    world = open_named_scene(scene).scene
+    policies = [parse_policy(text) for text in policy or default_policies()]
+    path = load_trace(trace, world, place)
+    replay = ReplayOptions(
+        budget_ms=frame_budget(budget_ms, profile),
+        seed=seed,
+        frames=frames,
+        fovy_deg=fovy_deg,
+        crossfade_ms=crossfade_ms,
+        measurement_delay=measurement_delay,
+        faults=_parse_faults(faults),
+    )
+    scoring = study.CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
     with progress_bar("replay") as progress:
-        comparison, logs = analysis.compare(
-            [parse_policy(text) for text in policy or default_policies()],
-            loaded,
-            load_trace(trace, loaded, place),
-            profile,
-            ReplayOptions(
-                budget_ms=1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms,
-                seed=seed,
-                frames=frames,
-                fovy_deg=fovy_deg,
-                crossfade_ms=crossfade_ms,
-                measurement_delay=measurement_delay,
-                faults=_parse_faults(faults),
-            ),
-            analysis.CompareOptions(
-                warmup=warmup, resamples=resamples, draws=draws, workers=workers
-            ),
-            progress=progress,
+        comparison, logs = study.compare(
+            policies, world, path, profile, replay, scoring, progress=progress
         )
     if out is not None:
         write_results(out, comparison, logs)
@@ -131,7 +103,7 @@ def compare(
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:
-        raise typer.Exit(1)
+        raise Exit(1)
 
 
 def _adjusted(
@@ -180,10 +152,6 @@ def _print(comparison: "Comparison", *, as_json: bool, wide: bool) -> None:
 
         print(encode_comparison(comparison).decode(), end="")
         return
-    from rich.console import Console
-
     from ..analysis.report.terminal_table import print_comparison
 
-    # A pipe has no width of its own.
-    width = None if sys.stdout.isatty() else 160 if wide else 100
-    print_comparison(comparison, Console(width=width, highlight=False), wide=wide)
+    print_comparison(comparison, table_console(160 if wide else 100), wide=wide)

@@ -4,9 +4,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option
 
 from ..base.errors import InputError
+from .shared.options import AsJson
 
 if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
     from ..sim.frame_log import FrameLog
@@ -15,22 +16,22 @@ if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
 def export(
     run: Annotated[
         Path,
-        typer.Argument(
+        Argument(
             metavar="RUN", help="A folder that `compare --out` wrote, or one frames/POLICY.parquet."
         ),
     ],
     *,
     export_format: Annotated[
-        str, typer.Option("--format", help="presentmon, capframex or chrome-trace.")
+        str, Option("--format", help="presentmon, capframex or chrome-trace.")
     ],
     policy: Annotated[
-        str | None, typer.Option(help="Which policy of a folder, by its name or its file's.")
+        str | None, Option(help="Which policy of a folder, by its name or its file's.")
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="File to write; else POLICY and the format's ending, here."),
+        Option("--out", help="File to write; else POLICY and the format's ending, here."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto)."""
     from ..sim.export.export import EXPORTS
@@ -39,7 +40,7 @@ def export(
         raise InputError(
             f"--format: expected one of {', '.join(EXPORTS)}, got {export_format}; name one"
         )
-    path, log = _find(run, policy)
+    path, log = _read_run(run, policy)
     target = out or Path(path.stem + EXPORTS[export_format].suffix)
     EXPORTS[export_format].write(log, target)
     if as_json:
@@ -56,7 +57,7 @@ def export(
         print(f"{target}: {len(log)} frames of {log.header.policy}, {export_format}")
 
 
-def _find(run: Path, policy: str | None) -> tuple[Path, "FrameLog"]:
+def _read_run(run: Path, policy: str | None) -> tuple[Path, "FrameLog"]:
     """Return the frame log that is meant, and its file."""
     from ..sim.frame_log_file import read_frame_log
 

@@ -5,92 +5,103 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
+from .shared import options
+from .shared.inputs import table_console
 from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..analysis.fit.fit import Source
     from ..traces.logs.render_log import TimeName
 
+Logs = Annotated[
+    list[str] | None,
+    Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
+]
+Bundled = Annotated[
+    str | None,
+    Option(
+        metavar="PROFILE",
+        help="Instead of LOG, what this bundled profile was fitted to, with its settings.",
+    ),
+]
+Target = Annotated[
+    str | None,
+    Option(help="gpu_ms, cpu_ms or frame_ms; else gpu_ms, or frame_ms if that is unfit."),
+]
+Terms = Annotated[
+    str | None,
+    Option(
+        help="Predictors, as in draw_calls,triangles; also a*b and max(triangles,"
+        "shaded_samples).  auto, the default: the set that predicts held-out frames best."
+    ),
+]
+Mapping = Annotated[str, Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")]
+LogFormat = Annotated[
+    str | None, Option("--format", help="Format of the logs; else their content decides.")
+]
+NoiseModel = Annotated[str, Option(help="student-t, or gaussian of constant scale.")]
+Walkers = Annotated[int, Option(min=4, help="Walkers of the ensemble.")]
+Steps = Annotated[int, Option(min=20, help="Steps at most.")]
+ChainSeed = Annotated[int, Option(min=0, help="Same seed, same posterior.")]
+HeldOut = Annotated[
+    str,
+    Option(
+        help="blocks, halves, interleaved, leave-one-out or none; auto: blocks, or each frame in "
+        "turn where there are few."
+    ),
+]
+Predict = Annotated[
+    list[str] | None,
+    Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
+]
+FirstFrames = Annotated[
+    int | None,
+    Option(
+        min=0,
+        help="Frames at the start of each log that are left out; else 3, or none where the header "
+        "says `rows: averages`.",
+    ),
+]
+Resume = Annotated[Path | None, Option(help="Keep the chain in this .npz, and go on from it.")]
+Strict = Annotated[
+    bool, Option("--strict", help="Exit with 1 if the chain is too short, and write nothing.")
+]
+Plots = Annotated[Path | None, Option(metavar="DIR", help="Write trace.png and corner.png.")]
+Out = Annotated[Path | None, Option(metavar="PROFILE.toml", help="Write the hardware profile.")]
+Onto = Annotated[
+    str | None,
+    Option(
+        metavar="PROFILE", help="Where the profile's other parts come from: CPU, display, disk."
+    ),
+]
+Date = Annotated[str, Option(help="Date of the measurement, for the profile.")]
+
 
 def fit(
-    logs: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
-    ] = None,
+    logs: Logs = None,
     *,
-    bundled: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PROFILE",
-            help="Instead of LOG, what this bundled profile was fitted to, with its settings.",
-        ),
-    ] = None,
-    target: Annotated[
-        str | None,
-        typer.Option(help="gpu_ms, cpu_ms or frame_ms; else gpu_ms, or frame_ms if that is unfit."),
-    ] = None,
-    terms: Annotated[
-        str | None,
-        typer.Option(
-            help="Predictors, as in draw_calls,triangles; also a*b and max(triangles,"
-            "shaded_samples).  auto, the default: the set that predicts held-out frames best."
-        ),
-    ] = None,
-    mapping: Annotated[
-        str, typer.Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")
-    ] = "",
-    log_format: Annotated[
-        str | None, typer.Option("--format", help="Format of the logs; else their content decides.")
-    ] = None,
-    model: Annotated[
-        str, typer.Option(help="student-t, or gaussian of constant scale.")
-    ] = "student-t",
-    walkers: Annotated[int, typer.Option(min=4, help="Walkers of the ensemble.")] = 32,
-    steps: Annotated[int, typer.Option(min=20, help="Steps at most.")] = 20_000,
-    seed: Annotated[int, typer.Option(min=0, help="Same seed, same posterior.")] = 0,
-    heldout: Annotated[
-        str,
-        typer.Option(
-            help="blocks, halves, interleaved, leave-one-out or none; auto: blocks, or each frame "
-            "in turn where there are few."
-        ),
-    ] = "auto",
-    predict: Annotated[
-        list[str] | None,
-        typer.Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
-    ] = None,
-    first_frames: Annotated[
-        int | None,
-        typer.Option(
-            min=0,
-            help="Frames at the start of each log that are left out; else 3, or none where the "
-            "header says `rows: averages`.",
-        ),
-    ] = None,
-    resume: Annotated[
-        Path | None, typer.Option(help="Keep the chain in this .npz, and go on from it.")
-    ] = None,
-    strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Exit with 1 if the chain is too short, and write nothing."),
-    ] = False,
-    plots: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write trace.png and corner.png.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="PROFILE.toml", help="Write the hardware profile.")
-    ] = None,
-    onto: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PROFILE", help="Where the profile's other parts come from: CPU, display, disk."
-        ),
-    ] = None,
-    date: Annotated[str, typer.Option(help="Date of the measurement, for the profile.")] = "",
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    bundled: Bundled = None,
+    target: Target = None,
+    terms: Terms = None,
+    mapping: Mapping = "",
+    log_format: LogFormat = None,
+    model: NoiseModel = "student-t",
+    walkers: Walkers = 32,
+    steps: Steps = 20_000,
+    seed: ChainSeed = 0,
+    heldout: HeldOut = "auto",
+    predict: Predict = None,
+    first_frames: FirstFrames = None,
+    resume: Resume = None,
+    strict: Strict = False,
+    plots: Plots = None,
+    out: Out = None,
+    onto: Onto = None,
+    date: Date = "",
+    as_json: options.AsJson = False,
 ) -> None:
     """Fit a cost model to measured render logs: a hardware profile.
 
@@ -102,51 +113,39 @@ def fit(
     from ..analysis.fit.sampling.sampler import SamplerOptions
     from ..models.machine.profile_catalog import load_hardware
 
-    paths, terms, target = _asked(logs or [], bundled, terms, target)
-    options = FitOptions(
-        terms,
-        _one_of("--model", model, ("student-t", "gaussian")),
-        heldout,
-        first_frames,
-        SamplerOptions(walkers, steps, seed),
-    )
-    pairs = _pairs(mapping)
-    sources = [_source(path, pairs, log_format) for path in paths]
-    time: TimeName = (
-        target_of(sources[0].log)
-        if target is None
-        else _one_of("--target", target, ("gpu_ms", "frame_ms", "cpu_ms"))
-    )
-    before = None if onto is None else load_hardware(onto)
+    paths, terms, target = _choose_logs(logs or [], bundled, terms, target)
+    noise = _one_of("--model", model, ("student-t", "gaussian"))
+    settings = FitOptions(terms, noise, heldout, first_frames, SamplerOptions(walkers, steps, seed))
+    columns = _parse_columns(mapping)
+    sources = [_source(path, columns, log_format) for path in paths]
+    if target is None:
+        target = target_of(sources[0].log)
+    time: TimeName = _one_of("--target", target, ("gpu_ms", "frame_ms", "cpu_ms"))
+    base = None if onto is None else load_hardware(onto)
     _check_outputs(terms, time, out, plots)
+    transfer = [_source(_path(name), columns, log_format).log for name in predict or ()]
     with progress_bar("sample") as progress:
-        found = fit_logs(
-            sources,
-            time,
-            options,
-            transfer=[_source(_path(name), pairs, log_format).log for name in predict or ()],
-            resume=resume,
-            progress=progress,
+        result = fit_logs(
+            sources, time, settings, transfer=transfer, resume=resume, progress=progress
         )
-    record = fit_record(found)
-    _print(record, as_json=as_json)
-    doubt = found.diagnostics.doubt
+    _print(fit_record(result), as_json=as_json)
+    doubt = result.diagnostics.doubt
     if doubt:
         print(f"warning: {doubt}: intervals are not to be trusted; raise --steps", file=sys.stderr)
     if doubt and strict:
-        raise typer.Exit(1)
+        raise Exit(1)
     if out is not None:
         from ..analysis.fit.fitted_profile import profile_of
         from ..models.machine.profile_writer import write_profile
 
-        write_profile(profile_of(found, out.stem, date=date, onto=before), out)
+        write_profile(profile_of(result, out.stem, date=date, onto=base), out)
     if plots is not None:
         from ..analysis.fit.plots import write_plots
 
-        write_plots(found.estimate.chain, plots)
+        write_plots(result.estimate.chain, plots)
 
 
-def _asked(
+def _choose_logs(
     logs: list[str], bundled: str | None, terms: str | None, target: str | None
 ) -> tuple[list[Path], str, str | None]:
     """Return the files to fit, the terms and the target: those given, else the bundled ones."""
@@ -157,9 +156,9 @@ def _asked(
         raise InputError(f"fit: expected LOG… or --bundled PROFILE, got {got}; give one")
     if bundled is None:
         return [_path(name) for name in logs], "auto" if terms is None else terms, target
-    found = bundled_fit(bundled)
-    terms = found.terms if terms is None else terms
-    return list(found.logs), terms, found.target if target is None else target
+    usual = bundled_fit(bundled)
+    terms = usual.terms if terms is None else terms
+    return list(usual.logs), terms, usual.target if target is None else target
 
 
 def _path(name: str) -> Path:
@@ -174,7 +173,7 @@ def _one_of(option: str, value: str, known: tuple[Any, ...]) -> Any:
     return value
 
 
-def _pairs(text: str) -> dict[str, str]:
+def _parse_columns(text: str) -> dict[str, str]:
     """Return the columns that ``name=COLUMN,name=COLUMN`` maps."""
     pairs = [item.partition("=") for item in filter(None, text.split(","))]
     for name, equals, column in pairs:
@@ -183,13 +182,13 @@ def _pairs(text: str) -> dict[str, str]:
     return {name.strip(): column.strip() for name, _, column in pairs}
 
 
-def _source(path: Path, pairs: dict[str, str], log_format: str | None) -> "Source":
+def _source(path: Path, columns: dict[str, str], log_format: str | None) -> "Source":
     import hashlib
 
     from ..analysis.fit.fit import Source
     from ..traces.logs.read_log import read_render_log
 
-    log = read_render_log(path, pairs or None, log_format)
+    log = read_render_log(path, columns or None, log_format)
     with path.open("rb") as file:
         return Source(log, hashlib.file_digest(file, "sha256").hexdigest())
 
@@ -216,10 +215,6 @@ def _print(record: dict[str, Any], *, as_json: bool) -> None:
     if as_json:
         print(json.dumps(record, ensure_ascii=False))
         return
-    from rich.console import Console
-
     from ..analysis.fit.fit_table import print_fit
 
-    # A pipe has no width of its own.
-    width = None if sys.stdout.isatty() else 120
-    print_fit(record, Console(width=width, highlight=False, soft_wrap=False))
+    print_fit(record, table_console(120))

@@ -7,12 +7,17 @@ from collections.abc import Callable, Iterator
 from enum import StrEnum
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Typer
+
+from .shared.options import AsJson
 
 Item = dict[str, Any]
 
 _ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in full
 _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
+
+
+app = Typer(add_completion=False)
 
 
 class Kind(StrEnum):
@@ -25,10 +30,11 @@ class Kind(StrEnum):
     METRICS = "metrics"
 
 
+@app.command("list")
 def list_known(
-    kind: Annotated[Kind, typer.Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
+    kind: Annotated[Kind, Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
     *,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """List policies, scenes, traces, hardware or metrics."""
     items = known(kind)
@@ -42,14 +48,7 @@ def list_known(
 
 def known(kind: Kind) -> list[Item]:
     """Return a record of everything of a kind, all with the same keys."""
-    listed: dict[Kind, Callable[[], Iterator[Item]]] = {
-        Kind.POLICIES: _policies,
-        Kind.SCENES: _scenes,
-        Kind.TRACES: _traces,
-        Kind.HARDWARE: _hardware,
-        Kind.METRICS: _metrics,
-    }
-    return list(listed[kind]())
+    return list(_KNOWN[kind]())
 
 
 def _policies() -> Iterator[Item]:
@@ -61,25 +60,25 @@ def _policies() -> Iterator[Item]:
     for name in sorted(REGISTERED):
         spec = parse_policy(name)
         cls, claims = spec.cls, claims_of(spec.make())
-        said = _headings(inspect.getdoc(cls) or "")
+        parts = _headings(inspect.getdoc(cls) or "")
         comments = _default_comments(inspect.getsource(cls))
         capabilities: dict[str, bool] = asdict(cls.capabilities)
         yield {
             "name": name,
-            "idea": said["Idea"],
-            "uses": said["Uses"],
+            "idea": parts["Idea"],
+            "uses": parts["Uses"],
             "parameters": [
                 {"name": p.name, "default": p.default, "comment": comments.get(p.name, "")}
                 for p in parameters(cls)
             ],
-            "cost_per_frame": said["Cost per frame"],
+            "cost_per_frame": parts["Cost per frame"],
             "capabilities": [key for key, has in capabilities.items() if has and key != "future"],
             "oracle": capabilities["future"],
             "claims": [
                 *(key for key, holds in asdict(claims).items() if holds is True),
                 *_rest(claims.settles_frames),
             ],
-            "reference": said["Reference"],
+            "reference": parts["Reference"],
         }
 
 
@@ -147,17 +146,21 @@ def _hardware() -> Iterator[Item]:
 
 
 def _metrics() -> Iterator[Item]:
+    from dataclasses import asdict
+
     from ..analysis.metrics.metric_registry import METRICS
 
     for metric in METRICS:
-        yield {
-            "id": metric.id,
-            "group": metric.group,
-            "unit": metric.unit,
-            "better": metric.better,
-            "definition": metric.definition,
-            "source": metric.source,
-        }
+        yield {key: value for key, value in asdict(metric).items() if key != "function"}
+
+
+_KNOWN: dict[str, Callable[[], Iterator[Item]]] = {
+    "policies": _policies,
+    "scenes": _scenes,
+    "traces": _traces,
+    "hardware": _hardware,
+    "metrics": _metrics,
+}
 
 
 def _print_sections(items: list[Item]) -> None:

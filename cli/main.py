@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 from io import TextIOWrapper
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -17,66 +17,37 @@ from typer.main import get_command, get_group
 from ..base.errors import InputError, LodbenchError
 from ..base.version import __version__
 
-
-class Command(NamedTuple):
-    """Where a command is: a function, or a typer app of commands, and its line in the help."""
-
-    module: str
-    attribute: str
-    help: str
-
-
 COMMANDS = {
-    "compare": Command(
-        "compare",
-        "compare",
-        "Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which.",
-    ),
-    "check": Command(
-        "check",
-        "check",
-        "Hold a policy's frame times and flicker against limits: 0 passed, 1 failed, 2 bad input.",
-    ),
-    "report": Command(
-        "report",
-        "report",
-        "Write DIR/report.html again from comparison.json and the frame logs beside it.",
-    ),
-    "export": Command(
-        "export",
-        "export",
-        "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for Perfetto).",
-    ),
-    "fit": Command("fit", "fit", "Fit a cost model to measured render logs: a hardware profile."),
-    "record": Command(
-        "record",
-        "record",
-        "Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take.",
-    ),
-    "stress": Command(
-        "stress",
-        "stress",
-        "Search camera paths within speed and turn limits for one on which a policy does badly.",
-    ),
-    "validate": Command(
-        "validate",
-        "validate",
-        "Hold simulated against measured: errors of frame times, metrics, and order of policies.",
-    ),
-    "list": Command("list", "list_known", "List policies, scenes, traces, hardware or metrics."),
-    "scene": Command("scene", "app", "Build scenes from meshes, and look at them."),
-    "trace": Command("trace", "app", "Look at camera traces, convert them, and generate them."),
+    "compare": "Compare policies on a camera trace: budget, lag, flicker, quality, and which beats "
+    "which.",
+    "check": "Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input.",
+    "report": "Write DIR/report.html again from comparison.json and the frame logs beside it.",
+    "export": "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for "
+    "Perfetto).",
+    "fit": "Fit a cost model to measured render logs: a hardware profile.",
+    "record": "Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and "
+    "take.",
+    "stress": "Search camera paths within speed and turn limits for one on which a policy does "
+    "badly.",
+    "validate": "Compare simulated with measured: errors of frame times, metrics, and order of "
+    "policies.",
+    "list": "List policies, scenes, traces, hardware or metrics.",
+    "scene": "Build scenes from meshes, and look at them.",
+    "trace": "Look at camera traces, convert them, and generate them.",
 }
+"""Name and line of help of every command; each is the file of its name."""
 
 
 def load_command(name: str) -> Any:
-    """Import a command and return it as typer runs it."""
-    entry = COMMANDS[name]
-    target = getattr(import_module(f".{entry.module}", __package__), entry.attribute)
-    if isinstance(target, typer.Typer):
-        return get_group(target)
-    app = typer.Typer(add_completion=False)
-    app.command(name)(target)
+    """Import a command, or the commands below it, and return it as typer runs it.
+
+    Its file has a typer app, or a function of the command's name.
+    """
+    module = import_module(f".{name}", __package__)
+    app = getattr(module, "app", None)
+    if app is None:
+        app = typer.Typer(add_completion=False)
+        app.command(name)(getattr(module, name))
     return get_command(app)
 
 
@@ -91,22 +62,22 @@ class _LazyGroup(TyperGroup):
         try:
             return super().invoke(ctx)
         except LodbenchError as error:
-            _say(f"error: {error}")
+            _print_error(f"error: {error}")
             raise typer.Exit(2 if isinstance(error, InputError) else 1) from error
         except OSError as error:
             if error.filename is None:
                 raise
-            _say(
+            _print_error(
                 f"error: {error.filename}: expected a path to read or write, got "
                 f"{error.strerror}; check the path and its permissions"
             )
             raise typer.Exit(2) from error
         except KeyboardInterrupt as error:
-            _say("interrupted: nothing more is written")
+            _print_error("interrupted: nothing more is written")
             raise typer.Exit(130) from error
 
 
-def _say(line: str) -> None:
+def _print_error(line: str) -> None:
     print(line, file=sys.stderr)
 
 
@@ -138,8 +109,8 @@ def lodbench(
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0 done, 1 failed, 2 bad input."""
     group = get_group(_app)
-    for name, entry in COMMANDS.items():
-        group.add_command(TyperCommand(name, help=entry.help))
+    for name, line in COMMANDS.items():
+        group.add_command(TyperCommand(name, help=line))
     try:
         group.main(arguments, prog_name="lodbench")
     except SystemExit as end:

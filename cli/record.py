@@ -4,136 +4,124 @@ import json
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Option
 
 from ..base.errors import InputError
+from .shared import options
+from .shared.inputs import frame_budget, open_named_scene
 from .shared.progress import progress_bar
+
+Calibrate = Annotated[
+    bool,
+    Option(
+        "--calibrate",
+        help="Instead of a policy, draw what spreads the predictors of a fit: random levels, "
+        "swings, levels by size, shares of the objects, sizes of the picture.",
+    ),
+]
+Out = Annotated[Path, Option(metavar="LOG", help="Render log, .parquet or .csv.")]
+FrameLogOut = Annotated[
+    Path | None, Option(metavar="FILE.parquet", help="Also write a frame log, as compare does.")
+]
+Images = Annotated[
+    Path | None,
+    Option(metavar="DIR", help="Write pictures beside full detail, and images.csv with SSIM."),
+]
+ImageEvery = Annotated[int, Option(help="Frames from picture to picture.")]
+Size = Annotated[str, Option(help="WIDTHxHEIGHT of the picture.")]
+Hardware = Annotated[str, Option(help="Profile that predictive policies go by.")]
+Frames = Annotated[
+    int | None, Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate.")
+]
+CalibrationSeed = Annotated[int, Option(help="Seed of --calibrate.")]
 
 
 def record(
     *,
-    scene: Annotated[
-        str, typer.Option(help="A bundled scene, or a scene file with meshes.")
-    ] = "plaza",
-    trace: Annotated[
-        str,
-        typer.Option(help="`tour`, a kind of movement (`list traces`), or FILE, FILE#SELECTOR."),
-    ] = "tour",
-    policy: Annotated[
-        str | None, typer.Option(help="NAME, NAME:key=value,key=value, or file.py:Class.")
-    ] = None,
-    calibrate: Annotated[
-        bool,
-        typer.Option(
-            "--calibrate",
-            help="Instead of a policy, draw what spreads the predictors of a fit: random levels, "
-            "swings, levels by size, shares of the objects, sizes of the picture.",
-        ),
-    ] = False,
-    out: Annotated[Path, typer.Option(metavar="LOG", help="Render log, .parquet or .csv.")],
-    frame_log: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.parquet", help="Also write a frame log, as compare does."),
-    ] = None,
-    images: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Write pictures beside full detail, and images.csv with SSIM."
-        ),
-    ] = None,
-    image_every: Annotated[int, typer.Option(help="Frames from picture to picture.")] = 30,
-    backend: Annotated[str, typer.Option(help="egl, off screen, or window.")] = "egl",
-    size: Annotated[str, typer.Option(help="WIDTHxHEIGHT of the picture.")] = "1280x720",
-    instancing: Annotated[
-        bool,
-        typer.Option(
-            "--instancing", help="Draw all instances of a level at once, not each on its own."
-        ),
-    ] = False,
-    hardware: Annotated[
-        str, typer.Option(help="Profile that predictive policies go by.")
-    ] = "llvmpipe",
-    budget_ms: Annotated[
-        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
-    ] = None,
-    frames: Annotated[
-        int | None,
-        typer.Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate."),
-    ] = None,
-    repeats: Annotated[
-        int, typer.Option(help="Times that each frame is drawn; the median counts.")
-    ] = 5,
-    threads: Annotated[
-        int, typer.Option(help="Threads of llvmpipe beside the caller's; 0 is the quietest.")
-    ] = 0,
-    seed: Annotated[int, typer.Option(help="Seed of --calibrate.")] = 0,
-    place: Annotated[
-        str, typer.Option(help="shrink, fit, center or none, as for compare.")
-    ] = "shrink",
-    fovy_deg: Annotated[float, typer.Option(help="Vertical field of view.")] = 60.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    scene: options.SceneWithMeshes = "plaza",
+    trace: options.Trace = "tour",
+    policy: options.Policy = None,
+    calibrate: Calibrate = False,
+    out: Out,
+    frame_log: FrameLogOut = None,
+    images: Images = None,
+    image_every: ImageEvery = 30,
+    backend: options.Backend = "egl",
+    size: Size = "1280x720",
+    instancing: options.Instancing = False,
+    hardware: Hardware = "llvmpipe",
+    budget_ms: options.BudgetMs = None,
+    frames: Frames = None,
+    repeats: options.Repeats = 5,
+    threads: options.Threads = 0,
+    seed: CalibrationSeed = 0,
+    place: options.Place = "shrink",
+    fovy_deg: options.FovyDeg = 60.0,
+    as_json: options.AsJson = False,
 ) -> None:
     """Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take."""
     from ..analysis.study.inputs import load_trace
     from ..analysis.validation.image_folder import image_folder
     from ..analysis.validation.recordings import RecordOptions, open_recorder, summary_of
     from ..models.machine.profile_catalog import load_hardware
-    from ..models.scene.scene_catalog import open_scene
     from ..render.gl.recorder import recorded_hardware
     from ..sim.frame_log_file import write_frame_log
     from ..sim.replay import ReplayOptions
-    from ..traces.logs.log_writer import check_log_path, write_log
-    from .shared.scene_output import opening
+    from ..traces.logs.log_writer import write_log
+
+    _check_outputs(out, frame_log, images)
+    if (policy is None) is not calibrate:
+        got = "both" if calibrate else "neither"
+        raise InputError(f"record: expected --policy or --calibrate, got {got}; give one")
+    profile = recorded_hardware(load_hardware(hardware), parse_size(size))
+    opened = open_named_scene(scene)
+    path = load_trace(trace, opened.scene, place)
+    budget = frame_budget(budget_ms, profile)
+    replay = ReplayOptions(budget_ms=budget, seed=seed, frames=frames, fovy_deg=fovy_deg)
+    drawing = RecordOptions(
+        backend=backend, instancing=instancing, repeats=repeats, threads=threads
+    )
+    with (
+        image_folder(images, image_every) as pictures,
+        open_recorder(opened, drawing, parse_size(size)) as recorder,
+        progress_bar("record") as progress,
+    ):
+        recorded = recorder.record(
+            policy, path, profile, replay, pictures=pictures, progress=progress
+        )
+        if pictures is not None:
+            pictures.write_table(recorded)
+        write_log(out, recorded.columns, recorded.header)
+        if frame_log is not None:
+            write_frame_log(frame_log, recorded.frames)
+    _print(summary_of(recorded), as_json=as_json)
+
+
+def _check_outputs(out: Path, frame_log: Path | None, images: Path | None) -> None:
+    """Refuse, before the work, what could not be written after it.
+
+    The folder of pictures is replaced as a whole, so that no log may lie in it.
+    """
+    from ..traces.logs.log_writer import check_log_path
 
     check_log_path(out)
     if frame_log is not None:
         check_log_path(frame_log, (".parquet",))
         if frame_log.resolve() == out.resolve():
             raise InputError("--frame-log: expected another file than --out, got the same")
-    for file in (out, frame_log):
-        if images is not None and file is not None:
-            _require_apart(file.resolve(), images.resolve())
-    if (policy is None) is not calibrate:
-        got = "both" if calibrate else "neither"
-        raise InputError(f"record: expected --policy or --calibrate, got {got}; give one")
-    profile = recorded_hardware(load_hardware(hardware), parse_size(size))
-    with opening(scene):
-        opened = open_scene(scene)
-    path = load_trace(trace, opened.scene, place)
-    options = ReplayOptions(
-        budget_ms=1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms,
-        seed=seed,
-        frames=frames,
-        fovy_deg=fovy_deg,
-    )
-    how = RecordOptions(backend=backend, instancing=instancing, repeats=repeats, threads=threads)
-    with (
-        image_folder(images, image_every) as pictures,
-        open_recorder(opened, how, parse_size(size)) as recorder,
-        progress_bar("record") as progress,
-    ):
-        found = recorder.record(
-            policy, path, profile, options, pictures=pictures, progress=progress
-        )
-        if pictures is not None:
-            pictures.write_table(found)
-        write_log(out, found.columns, found.header)
-        if frame_log is not None:
-            write_frame_log(frame_log, found.frames)
-    _print(summary_of(found), as_json=as_json)
-
-
-def _require_apart(file: Path, images: Path) -> None:
-    """Refuse a log inside the folder of pictures, which is replaced as a whole."""
-    if images == file or images in file.parents:
-        raise InputError(
-            "expected a log outside of the folder of pictures, got one in it; name another",
-            path=file,
-        )
+    for file in filter(None, (out, frame_log)):
+        if images is not None and file.resolve().is_relative_to(images.resolve()):
+            raise InputError(
+                "expected a log outside of the folder of pictures, got one in it; name another",
+                path=file.resolve(),
+            )
 
 
 def parse_size(text: str) -> tuple[int, int]:
-    """Return width and height of ``WIDTHxHEIGHT``; raises InputError for anything else."""
+    """Return width and height of ``WIDTHxHEIGHT``.
+
+    Raises `InputError` if it is anything else.
+    """
     width, _, height = text.partition("x")
     if all(
         side.isascii() and side.isdecimal() and 16 <= int(side) <= 16384 for side in (width, height)

@@ -4,16 +4,14 @@ import json
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument
+
+from .shared.options import AsJson
+
+Folder = Annotated[Path, Argument(metavar="DIR", help="A folder that `compare --out` wrote.")]
 
 
-def report(
-    run: Annotated[
-        Path, typer.Argument(metavar="DIR", help="A folder that `compare --out` wrote.")
-    ],
-    *,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-) -> None:
+def report(run: Folder, *, as_json: AsJson = False) -> None:
     """Write DIR/report.html again from comparison.json and the frame logs beside it."""
     from ..analysis.study.comparison_folder import rewrite_report
 

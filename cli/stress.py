@@ -6,42 +6,50 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
+from .shared import options
+from .shared.inputs import frame_budget
 from .shared.progress import progress_bar
+
+Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
+Badness = Annotated[
+    str,
+    Option(
+        help="What to look for: overshoot (longest work time over the budget), toggles (a frame) "
+        "or lag (99th percentile, ms)."
+    ),
+]
+Out = Annotated[
+    Path,
+    Option(
+        metavar="FILE.csv",
+        help="Where to save the path; limits that keep it a test are saved beside it.",
+    ),
+]
+SpeedMS = Annotated[float, Option(help="Highest speed of the camera.")]
+TurnDegS = Annotated[float, Option(help="Highest turn rate of the camera.")]
+DurationS = Annotated[float, Option(help="Length of the path.")]
+Legs = Annotated[int, Option(help="Parts of the path of steady speed and turn.")]
+Evaluations = Annotated[int, Option(help="Paths to try.")]
+PathSeed = Annotated[int, Option(help="Same seed, same path.")]
 
 
 def stress(
-    policy: Annotated[str, typer.Argument(help="NAME, NAME:key=value, or file.py:Class.")],
+    policy: Policy,
     *,
-    scene: Annotated[str, typer.Option(help="A bundled scene, or a scene file.")] = "plaza",
-    hardware: Annotated[
-        str, typer.Option(help="A bundled profile, or a TOML file.")
-    ] = "desktop-assumed",
-    badness: Annotated[
-        str,
-        typer.Option(
-            help="What to look for: overshoot (longest work time over the budget), toggles (a "
-            "frame) or lag (99th percentile, ms)."
-        ),
-    ] = "overshoot",
-    out: Annotated[
-        Path,
-        typer.Option(
-            metavar="FILE.csv",
-            help="Where to save the path; limits that keep it a test are saved beside it.",
-        ),
-    ] = Path("stress.csv"),
-    speed_m_s: Annotated[float, typer.Option(help="Highest speed of the camera.")] = 7.0,
-    turn_deg_s: Annotated[float, typer.Option(help="Highest turn rate of the camera.")] = 180.0,
-    duration_s: Annotated[float, typer.Option(help="Length of the path.")] = 3.0,
-    legs: Annotated[int, typer.Option(help="Parts of the path of steady speed and turn.")] = 6,
-    evaluations: Annotated[int, typer.Option(help="Paths to try.")] = 100,
-    budget_ms: Annotated[
-        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Same seed, same path.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    scene: options.Scene = "plaza",
+    hardware: options.Hardware = "desktop-assumed",
+    badness: Badness = "overshoot",
+    out: Out = Path("stress.csv"),
+    speed_m_s: SpeedMS = 7.0,
+    turn_deg_s: TurnDegS = 180.0,
+    duration_s: DurationS = 3.0,
+    legs: Legs = 6,
+    evaluations: Evaluations = 100,
+    budget_ms: options.BudgetMs = None,
+    seed: PathSeed = 0,
+    as_json: options.AsJson = False,
 ) -> None:
     """Search camera paths within speed and turn limits for one on which a policy does badly."""
     from ..analysis.study import stress as search
@@ -54,21 +62,17 @@ def stress(
 
     format_for_writing(out)
     aim = search.check_badness(badness)
-    spec, loaded, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
-    options = ReplayOptions(
-        budget_ms=1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms, seed=seed
-    )
+    spec, world, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
+    replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
     bounds = search.PathLimits(
         speed_m_s=speed_m_s, turn_deg_s=turn_deg_s, duration_s=duration_s, legs=legs
     )
     with progress_bar("search") as progress:
-        found = search.stress(
-            spec, loaded, profile, options, aim, bounds, evaluations=evaluations, progress=progress
+        worst = search.stress(
+            spec, world, profile, replay, aim, bounds, evaluations=evaluations, progress=progress
         )
-    on_walk = search.measure_badness(
-        spec, loaded, load_trace("walk", loaded), profile, options, aim
-    )
-    write_trace(found.trace, out)
+    walk = search.measure_badness(spec, world, load_trace("walk", world), profile, replay, aim)
+    write_trace(worst.trace, out)
     limits = out.with_suffix(".limits.toml")
     metric = search.METRIC_OF[aim]
     _write_limits(limits, metric, policy)
@@ -80,13 +84,13 @@ def stress(
     record = {
         "schema": "lodbench.stress/1",
         "policy": policy,
-        "scene": loaded.name,
+        "scene": world.name,
         "hardware": profile.name,
         "badness": badness,
         "metric": metric,
-        "value": found.value,
-        "walk": on_walk,
-        "evaluations": found.evaluations,
+        "value": worst.value,
+        "walk": walk,
+        "evaluations": worst.evaluations,
         "trace": str(out),
         "limits": str(limits),
         "check": check,
@@ -95,7 +99,7 @@ def stress(
 
 
 def _text(record: Mapping[str, object], check: list[str]) -> str:
-    """Return what was found, and how to keep it as a test."""
+    """Return how bad the path is, and how to keep it as a test."""
     badness, value, walk = record["badness"], record["value"], record["walk"]
     return "\n".join(
         (

@@ -5,38 +5,39 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option, Typer
+
+from .shared.options import AsJson
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..traces.cameras.camera_trace import CameraTrace
     from ..traces.cameras.place import Placement
     from ..traces.cameras.trace_stats import Percentiles, TraceStats
 
-app = typer.Typer(
+app = Typer(
     name="trace",
     help="Look at camera traces, convert them, and generate them.",
     no_args_is_help=True,
+    add_completion=False,
 )
 
 Spec = Annotated[
-    str, typer.Argument(metavar="TRACE", help="A file, or FILE#SELECTOR to choose within it.")
+    str, Argument(metavar="TRACE", help="A file, or FILE#SELECTOR to choose within it.")
 ]
 From = Annotated[
     str | None,
-    typer.Option("--from", metavar="FORMAT", help="Format of TRACE; else its content decides."),
+    Option("--from", metavar="FORMAT", help="Format of TRACE; else its content decides."),
 ]
 To = Annotated[
     str | None,
-    typer.Option("--to", metavar="FORMAT", help="csv, parquet or tum; else the suffix decides."),
+    Option("--to", metavar="FORMAT", help="csv, parquet or tum; else the suffix decides."),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
-Scale = Annotated[float, typer.Option(help="Factor on positions, and so on speeds.")]
+Scale = Annotated[float, Option(help="Factor on positions, and so on speeds.")]
 Offset = Annotated[
-    tuple[float, float, float],
-    typer.Option(metavar="X Y Z", help="Added after scaling, in metres."),
+    tuple[float, float, float], Option(metavar="X Y Z", help="Added after scaling, in metres.")
 ]
-Up = Annotated[str, typer.Option(help="Axis that points up in the trace: z, y, x, -z, -y or -x.")]
-Yaw = Annotated[float, typer.Option(help="Turn about the up axis, counter-clockwise from above.")]
+Up = Annotated[str, Option(help="Axis that points up in the trace: z, y, x, -z, -y or -x.")]
+Yaw = Annotated[float, Option(help="Turn about the up axis, counter-clockwise from above.")]
 
 
 @app.command()
@@ -44,7 +45,7 @@ def info(
     trace: Spec,
     *,
     source: From = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
     up: Up = "z",
@@ -78,11 +79,11 @@ def info(
 @app.command()
 def convert(
     trace: Spec,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="File to write.")],
+    out: Annotated[Path, Argument(metavar="OUT", help="File to write.")],
     *,
     source: From = None,
     target: To = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
     up: Up = "z",
@@ -103,28 +104,26 @@ def convert(
 def generate(
     kind: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="KIND",
             help="walk, drive, fly-over, orbit, look-around, dash, teleport or sudden-turn.",
         ),
     ],
     *,
-    out: Annotated[Path, typer.Option("--out", help="File to write.")],
+    out: Annotated[Path, Option("--out", help="File to write.")],
     target: To = None,
-    duration_s: Annotated[float, typer.Option(help="Length of the trace.")] = 60.0,
-    rate_hz: Annotated[float, typer.Option(help="Samples per second.")] = 60.0,
-    speed_m_s: Annotated[
-        float | None, typer.Option(help="Largest speed; else the kind's own.")
-    ] = None,
-    extent_m: Annotated[float, typer.Option(help="Side of the square that is used.")] = 100.0,
+    duration_s: Annotated[float, Option(help="Length of the trace.")] = 60.0,
+    rate_hz: Annotated[float, Option(help="Samples per second.")] = 60.0,
+    speed_m_s: Annotated[float | None, Option(help="Largest speed; else the kind's own.")] = None,
+    extent_m: Annotated[float, Option(help="Side of the square that is used.")] = 100.0,
     center_m: Annotated[
-        tuple[float, float, float], typer.Option(metavar="X Y Z", help="Middle of the square.")
+        tuple[float, float, float], Option(metavar="X Y Z", help="Middle of the square.")
     ] = (0.0, 0.0, 0.0),
     height_m: Annotated[
-        float | None, typer.Option(help="Camera above the middle; else the kind's own.")
+        float | None, Option(help="Camera above the middle; else the kind's own.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Same seed, same trace.")] = 0,
-    as_json: Json = False,
+    seed: Annotated[int, Option(help="Same seed, same trace.")] = 0,
+    as_json: AsJson = False,
 ) -> None:
     """Make up a trace of one kind of movement."""
     from ..traces.cameras.generators.generate import generate as generate_trace

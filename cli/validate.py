@@ -1,13 +1,18 @@
 """`lodbench validate`: record policies on a real renderer, simulate the same, and compare."""
 
-import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
 from ..base.errors import InputError
+from .record import parse_size
+from .shared import options
+from .shared.inputs import frame_budget, open_named_scene, table_console
 from .shared.progress import progress_bar
+
+if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
+    from ..analysis.validation.validation_result import Validation
 
 POLICIES = (
     "full",
@@ -21,134 +26,125 @@ POLICIES = (
 """Policies of different kinds: none, by distance, by size, from measured times, from a model."""
 
 
+Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]
+Policies = Annotated[
+    list[str] | None,
+    Option(help=f"{options.POLICY_HELP}; may be repeated.  Without it, {', '.join(POLICIES)}."),
+]
+RecordedIn = Annotated[
+    Path | None,
+    Option(
+        metavar="DIR",
+        help="Take the recordings that an earlier validate wrote there, with its scene, trace, "
+        "budget and size; how they were drawn is theirs.",
+    ),
+]
+Out = Annotated[
+    Path | None,
+    Option(
+        metavar="DIR", help="Write report.html, validation.json, and logs recorded and simulated."
+    ),
+]
+Size = Annotated[str | None, Option(help="WIDTHxHEIGHT of the picture; else the profile's.")]
+Seconds = Annotated[float, Option(help="How much of the trace, from its start.")]
+Passes = Annotated[
+    int, Option(help="Recordings of each policy; a second shows the machine's own noise.")
+]
+NoiseSeed = Annotated[int, Option(help="Seed of the simulated noise.")]
+
+
 def validate(
     *,
-    scene: Annotated[
-        str, typer.Option(help="A bundled scene, or a scene file with meshes.")
-    ] = "market",
-    trace: Annotated[
-        str,
-        typer.Option(help="`tour`, a kind of movement (`list traces`), or FILE, FILE#SELECTOR."),
-    ] = "drive",
-    hardware: Annotated[
-        str, typer.Option(help="The profile to be tested: bundled, or a TOML file.")
-    ] = "llvmpipe",
-    policy: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="NAME, NAME:key=value,key=value, or file.py:Class; may be repeated.  Without it, "
-            f"{', '.join(POLICIES)}."
-        ),
-    ] = None,
-    recorded: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Take the recordings that an earlier validate wrote there, with its scene, trace, "
-            "budget and size; how they were drawn is theirs.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Write report.html, validation.json, and logs recorded and simulated.",
-        ),
-    ] = None,
-    budget_ms: Annotated[
-        float | None, typer.Option(help="Time a frame may take; else one refresh of the display.")
-    ] = None,
-    size: Annotated[
-        str | None, typer.Option(help="WIDTHxHEIGHT of the picture; else the profile's.")
-    ] = None,
-    seconds: Annotated[float, typer.Option(help="How much of the trace, from its start.")] = 10.0,
-    passes: Annotated[
-        int, typer.Option(help="Recordings of each policy; a second shows the machine's own noise.")
-    ] = 2,
-    repeats: Annotated[
-        int, typer.Option(help="Times that each frame is drawn; the median counts.")
-    ] = 3,
-    warmup: Annotated[int, typer.Option(help="Frames at the start that do not count.")] = 30,
-    draws: Annotated[int, typer.Option(help="Posterior draws to simulate.")] = 16,
-    resamples: Annotated[int, typer.Option(help="Bootstrap resamples.")] = 200,
-    workers: Annotated[
-        int, typer.Option(help="Processes that simulate; 0 for one a processor.")
-    ] = 0,
-    backend: Annotated[str, typer.Option(help="egl, off screen, or window.")] = "egl",
-    instancing: Annotated[
-        bool, typer.Option("--instancing", help="Draw all instances of a level at once.")
-    ] = False,
-    threads: Annotated[
-        int, typer.Option(help="Threads of llvmpipe beside the caller's; 0 is the quietest.")
-    ] = 0,
-    seed: Annotated[int, typer.Option(help="Seed of the simulated noise.")] = 0,
-    place: Annotated[
-        str, typer.Option(help="shrink, fit, center or none, as for compare.")
-    ] = "shrink",
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    scene: options.SceneWithMeshes = "market",
+    trace: options.Trace = "drive",
+    hardware: Hardware = "llvmpipe",
+    policy: Policies = None,
+    recorded: RecordedIn = None,
+    out: Out = None,
+    budget_ms: options.BudgetMs = None,
+    size: Size = None,
+    seconds: Seconds = 10.0,
+    passes: Passes = 2,
+    repeats: options.Repeats = 3,
+    warmup: options.Warmup = 30,
+    draws: options.Draws = 16,
+    resamples: options.Resamples = 200,
+    workers: options.Workers = 0,
+    backend: options.Backend = "egl",
+    instancing: options.Instancing = False,
+    threads: options.Threads = 0,
+    seed: NoiseSeed = 0,
+    place: options.Place = "shrink",
+    as_json: options.AsJson = False,
 ) -> None:
     """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
     from ..analysis.study.compare import CompareOptions
     from ..analysis.study.inputs import load_trace
-    from ..analysis.validation import replays as run
-    from ..analysis.validation import validation_folder as output
+    from ..analysis.validation import replays
     from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
     from ..analysis.validation.validate import require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
-    from ..analysis.validation.validation_result import encode
+    from ..analysis.validation.validation_folder import read_recordings, write_validation
     from ..models.machine.profile_catalog import load_hardware
-    from ..models.scene.scene_catalog import open_scene
     from ..render.gl.recorder import recorded_hardware
     from ..sim.replay import ReplayOptions
-    from .record import parse_size
-    from .shared.scene_output import opening
 
     labels = list(policy or POLICIES)
-    if len(set(labels)) < len(labels):
-        raise InputError("--policy: expected each once, got one twice; name it once")
-    if out is not None:
-        output.check_folder(out)
-        if recorded is not None and recorded.absolute() in out.absolute().parents:
-            raise InputError("expected a folder beside the recordings, got one in them", path=out)
+    _check_arguments(labels, out, recorded)
     profile = load_hardware(hardware)
-    display = profile.display
-    wanted = (display.width_px, display.height_px) if size is None else parse_size(size)
-    profile = recorded_hardware(profile, wanted)
-    with opening(scene):
-        opened = open_scene(scene)
-    path = run.cut_trace(load_trace(trace, opened.scene, place), seconds)
+    replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
+    own_size = profile.display.width_px, profile.display.height_px
+    profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
+    opened = open_named_scene(scene)
+    path = replays.cut_trace(load_trace(trace, opened.scene, place), seconds)
     require_other_frames(profile, opened.scene.name, path.name)
     require_priced(profile)
     require_recordable(labels, opened.scene)
     scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
-    options = ReplayOptions(
-        budget_ms=1e3 / display.refresh_hz if budget_ms is None else budget_ms, seed=seed
+    drawing = RecordOptions(
+        backend=backend, instancing=instancing, repeats=repeats, threads=threads
     )
     if recorded is None:
-        how = RecordOptions(
-            backend=backend, instancing=instancing, repeats=repeats, threads=threads
-        )
         with progress_bar("record") as progress:
-            found = run.record_all(labels, opened, path, profile, options, how, passes, progress)
+            recordings = replays.record_all(
+                labels, opened, path, profile, replay, drawing, passes, progress
+            )
     else:
-        wanted = conditions(opened.scene, path, profile, options)
-        found = output.read_recordings(recorded, labels, wanted)
+        same = conditions(opened.scene, path, profile, replay)
+        recordings = read_recordings(recorded, labels, same)
     measured = {
-        label: tuple(map(run.measured_of, recordings)) for label, recordings in found.items()
+        label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
     }
-    comparison, pairs = run.simulate_all(labels, opened, path, profile, options, scoring, measured)
-    log = {k: v for k, v in found[labels[0]][0].header.items() if k != "policy"}
+    comparison, pairs = replays.simulate_all(
+        labels, opened, path, profile, replay, scoring, measured
+    )
+    log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
     validation = compare_sides(comparison, pairs, profile, log)
     if out is not None:
-        output.write_validation(out, validation, pairs, found if recorded is None else recorded)
+        write_validation(out, validation, pairs, recorded or recordings)
+    _print(validation, out, as_json=as_json)
+
+
+def _check_arguments(labels: list[str], out: Path | None, recorded: Path | None) -> None:
+    """Refuse, before the work, what could not be compared or written after it."""
+    from ..analysis.validation.validation_folder import check_folder
+
+    if len(set(labels)) < len(labels):
+        raise InputError("--policy: expected each once, got one twice; name it once")
+    if out is not None:
+        check_folder(out)
+        if recorded is not None and recorded.absolute() in out.absolute().parents:
+            raise InputError("expected a folder beside the recordings, got one in them", path=out)
+
+
+def _print(validation: "Validation", out: Path | None, *, as_json: bool) -> None:
     if as_json:
+        from ..analysis.validation.validation_result import encode
+
         print(encode(validation).decode(), end="")
         return
-    from rich.console import Console
-
     from ..analysis.validation.validation_table import print_validation
 
-    width = None if sys.stdout.isatty() else 120  # a pipe has no width of its own
-    print_validation(validation, Console(width=width, highlight=False))
+    print_validation(validation, table_console(120))
     if out is not None:
         print(f"report: {out / 'report.html'}")

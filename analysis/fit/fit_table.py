@@ -6,6 +6,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from ..report.terminal import titled_table
+
 THESIS = "the thesis on hierarchical levels of detail reports 4.39 % ± 15.19 % without feedback"
 
 _CANDIDATES = 5  # shown
@@ -47,9 +49,9 @@ def _log_lines(record: dict[str, Any]) -> Iterator[str]:
 
 
 def _coefficients(record: dict[str, Any]) -> Table:
-    table = Table(title=f"{record['target']} = {' + '.join(['base', *record['terms']])}")
-    for column in ("coefficient", "mean", "sd", "5 %", "50 %", "95 %", "unit", "informed by"):
-        table.add_column(column, justify="left" if column in ("coefficient", "unit") else "right")
+    title = f"{record['target']} = {' + '.join(['base', *record['terms']])}"
+    columns = ("coefficient", "mean", "sd", "5 %", "50 %", "95 %", "unit", "informed by")
+    table = titled_table(title, columns, ("unit",))
     for name, item in record["coefficients"].items():
         numbers = [f"{item[key]:.4g}" for key in ("mean", "sd", "q05", "q50", "q95")]
         table.add_row(name, *numbers, item["unit"], "log" if item["informed"] else "prior")
@@ -102,10 +104,9 @@ def _sampling(record: dict[str, Any]) -> Iterator[str]:
 
 
 def _errors(record: dict[str, Any]) -> Table:
-    table = Table(title="error of prediction, % of the measured time")
     columns = ("held out", "frames", "mean", "sd", "5 %", "25 %", "50 %", "75 %", "95 %")
-    for column in (*columns, "90 % coverage", "log score"):
-        table.add_column(column, justify="left" if column == "held out" else "right")
+    columns += ("90 % coverage", "log score")
+    table = titled_table("error of prediction, % of the measured time", columns)
     for item in filter(None, (record["heldout"], *record["transfer"])):
         table.add_row(
             item["split"],

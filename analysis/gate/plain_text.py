@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ..report.terminal_table import format_value
+from ..report.values import format_value
 from .check_result import Report
 from .judgement import Change, Verdict
 

@@ -1,29 +1,44 @@
-"""What all pages have in common: style, scripts, and charts as parts of them."""
+"""Turn sections into a page: one file that holds its style, scripts and data."""
 
+from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
-from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-_FOLDER = Path(__file__).parent
+from .blocks import Section
+
+if TYPE_CHECKING:  # jinja2 is loaded by what writes a page
+    from jinja2 import Template
+
+_TEMPLATES = Path(__file__).parent / "templates"
 _CONFIG = {"displayModeBar": False, "responsive": True}
 
 
-def fill_page(body: Path, *, title: str, **parts: str) -> str:
-    """Return a whole page, which needs nothing else, from a template of its body."""
+def render_page(title: str, subtitle: str, sections: Iterable[Section]) -> str:
+    """Return the HTML of a page, which needs nothing else; the same sections, the same bytes."""
     from plotly.offline import get_plotlyjs
 
-    return Template((_FOLDER / "shell.html").read_text(encoding="utf-8")).substitute(
-        title=title,
-        style=(_FOLDER / "page.css").read_text(encoding="utf-8"),
-        plotly=get_plotlyjs(),
-        body=Template(body.read_text(encoding="utf-8")).substitute(parts, title=title),
+    return _template().render(
+        title=title, subtitle=subtitle, sections=sections, plotly=get_plotlyjs(), draw=_draw
     )
 
 
-def chart_html(name: str, figure: Any) -> str:
-    """Return a chart as a part of the page, or say that there is nothing to draw."""
-    if figure is None:
-        return '<p class="dim">Nothing to draw in this run.</p>'
+@cache
+def _template() -> "Template":
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    return environment.get_template("page.html")
+
+
+def _draw(figure: Any, name: str) -> str:
     return figure.to_html(
         full_html=False, include_plotlyjs=False, div_id=f"chart-{name}", config=_CONFIG
     )

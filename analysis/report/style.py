@@ -1,30 +1,36 @@
-"""What all charts of a report have in common."""
+"""What all charts of a page have in common."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ..study.comparison import PolicyResult
 from .palette import Ink
 
 BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}
 
 
-def line_of(policy: PolicyResult, ink: dict[str, Ink]) -> dict[str, Any]:
-    """Return how the line of a policy is drawn and named."""
-    drawn = ink[policy.label]
-    return {
-        "mode": "lines",
-        "name": policy.label,
-        "legendgroup": policy.label,
-        "line": {"color": drawn.color, "dash": drawn.dash, "width": 1.4},
-    }
+def panels(rows: int, columns: int, **options: Any) -> Any:
+    """Return a figure of panels; options are those of plotly's ``make_subplots``."""
+    from plotly.subplots import make_subplots
+
+    return make_subplots(rows=rows, cols=columns, **options)
 
 
-def shortened(values: Sequence[float] | Any) -> Any:
-    """Return values with the digits that a chart shows, which makes the page smaller."""
-    return np.asarray(values, dtype=np.float32)
+def add_line(
+    figure: Any, at: tuple[int, int], points: tuple[FloatArray, FloatArray],
+    policy: PolicyResult, ink: Ink, *, first: bool, **options: Any,
+) -> None:  # fmt: skip
+    """Draw a policy's line into the panel of a row and column; the first one gives the legend."""
+    # Single precision is all that a chart shows, and makes the page smaller.
+    x, y = (values.astype(np.float32) for values in points)
+    figure.add_scatter(
+        x=x, y=y, row=at[0], col=at[1], showlegend=first, name=policy.label, mode="lines",
+        legendgroup=policy.label, line={"color": ink.color, "dash": ink.dash, "width": 1.4},
+        **options,
+    )  # fmt: skip
 
 
 def styled(figure: Any, height_px: int, named: Sequence[PolicyResult] = ()) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..metrics.measured_frames import Run
 from ..report.series import envelope
-from ..report.style import BUDGET, shortened, styled
+from ..report.style import BUDGET, panels, styled
 from .validate import Pair
 from .validation_result import Validation
 from .validation_table import RANKED
@@ -19,11 +19,9 @@ _ROW_PX = 170
 
 def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
     """Return frame times along the trace, measured and simulated, one row a policy."""
-    from plotly.subplots import make_subplots
-
     labels = list(pairs)
-    figure: Any = make_subplots(
-        rows=len(labels), cols=1, shared_xaxes=True, subplot_titles=labels,
+    figure = panels(
+        len(labels), 1, shared_xaxes=True, subplot_titles=labels,
         vertical_spacing=0.3 / (len(labels) + 1),
     )  # fmt: skip
     for row, pair in enumerate(pairs.values(), 1):
@@ -34,7 +32,7 @@ def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
             x, y = envelope(run.time_s, run.work_ms, _BUCKETS)
             color = {"measured": _MEASURED, "simulated": _SIMULATED}.get(name, _AGAIN)
             figure.add_scatter(
-                x=shortened(x), y=shortened(y), row=row, col=1, name=name, legendgroup=name,
+                x=np.float32(x), y=np.float32(y), row=row, col=1, name=name, legendgroup=name,
                 showlegend=row == 1, mode="lines", line={"color": color, "width": 1.1},
             )  # fmt: skip
         figure.add_hline(y=validation.budget_ms, row=row, col=1, line=BUDGET)
@@ -47,10 +45,8 @@ def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
 
 def agreement_chart(validation: Validation) -> Any:
     """Return simulated against measured values with their intervals, one panel a metric."""
-    from plotly.subplots import make_subplots
-
     titles: list[str] = list(RANKED)
-    figure: Any = make_subplots(rows=1, cols=len(titles), subplot_titles=titles)
+    figure = panels(1, len(titles), subplot_titles=titles)
     for column, name in enumerate(titles, 1):
         items = [(p.label, p.metrics[name]) for p in validation.policies]
         known = [(s, i) for s, i in items if i.measured is not None and i.simulated is not None]

@@ -86,9 +86,10 @@ def read_recordings(
     Parameters
     ----------
     wanted
-        What the headers of the render logs have to say, as `recording.conditions` has it.
+        Entries that the headers of the render logs must have, as `recordings.conditions` returns
+        them.
     """
-    found: dict[str, list[Recorded]] = {}
+    recordings: dict[str, list[Recorded]] = {}
     for label, name in frame_log_names(labels).items():
         if not (folder / _MEASURED / name).is_file():
             raise InputError(
@@ -97,20 +98,20 @@ def read_recordings(
                 path=folder,
             )
         wanted = {**wanted, "policy": label}
-        found[label] = [_read(folder, name, wanted)]
+        recordings[label] = [_read(folder, name, wanted)]
         if (folder / _MEASURED / f"{_AGAIN}{name}").is_file():
-            found[label].append(_read(folder, f"{_AGAIN}{name}", wanted))
-    return found
+            recordings[label].append(_read(folder, f"{_AGAIN}{name}", wanted))
+    return recordings
 
 
 def _read(folder: Path, name: str, wanted: Mapping[str, str]) -> Recorded:
     frames = read_frame_log(folder / _MEASURED / name)
     path = folder / _RENDERED / name
     log = read_render_log(path, {"shaded_samples": "projected_px"})
-    said = dict(log.header)
+    header = dict(log.header)
     for key, value in wanted.items():
-        if said.get(key) != header_text(value):
-            message = f"expected a recording with {key} {value}, got {said.get(key)}; record again"
+        if (got := header.get(key)) != header_text(value):
+            message = f"expected a recording with {key} {value}, got {got}; record again"
             raise InputError(message, path=path)
     if len(frames) != len(log):
         message = (
@@ -119,4 +120,4 @@ def _read(folder: Path, name: str, wanted: Mapping[str, str]) -> Recorded:
         raise InputError(message, path=folder / _MEASURED / name)
     counts = dict(zip(log.predictors, log.counts.T, strict=True))
     counts["projected_px"] = np.asarray(counts["shaded_samples"])
-    return Recorded(dict(log.header), counts, frames)
+    return Recorded(header, counts, frames)

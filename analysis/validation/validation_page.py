@@ -1,105 +1,101 @@
 """The page of a validation: tables, charts, and where the numbers come from."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from html import escape
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 
 from ...base.version import __version__
 from ..metrics.metric_registry import METRICS
-from ..report.page import chart_html, fill_page
-from ..report.tables import facts_table, html_table
-from ..report.terminal_table import format_value
+from ..report.blocks import Cell, Chart, Section, Table
+from ..report.page import render_page
+from ..report.values import format_span, format_value
 from .validate import Pair
 from .validation_charts import agreement_chart, series_chart
 from .validation_result import Errors, Validation
-from .validation_table import COMPARED, RANKED, error_text, error_word, rank_text
-
-_PAGE = Path(__file__).with_name("validation_page.html")
+from .validation_table import COMPARED, RANKED, error_text, errors_of, rank_text
 
 
 def render_validation(validation: Validation, pairs: Mapping[str, Pair]) -> str:
     """Return the HTML of a validation."""
-    log = validation.log
-    run = (
+    subtitle = (
         f"{validation.scene} along {validation.trace}, {validation.trace_s:.1f} s, drawn on "
-        f"{log.get('renderer', 'a device')} at {log.get('resolution', 'some size')} and simulated "
-        f"with the profile {validation.hardware}; budget {validation.budget_ms:.4g} ms"
+        f"{validation.log.get('renderer', 'a device')} at "
+        f"{validation.log.get('resolution', 'some size')} and simulated with the profile "
+        f"{validation.hardware}; budget {validation.budget_ms:.4g} ms"
     )
-    return fill_page(
-        _PAGE,
-        title="Does the simulator agree with the machine?",
-        run=escape(run),
-        errors=_error_table(validation),
-        series=chart_html("series", series_chart(validation, pairs)),
-        level=f"{validation.level:.0%}",
-        agreement=chart_html("agreement", agreement_chart(validation)),
-        ranks=_rank_table(validation),
-        metrics=_metric_table(validation),
-        provenance=facts_table(_facts(validation)),
+    sections = (
+        _frame_by_frame(validation),
+        Section(
+            "Measured and simulated along the trace",
+            "Work time of each frame.  The dashed line is the budget.",
+            (Chart("series", series_chart(validation, pairs)),),
+        ),
+        _metric_by_metric(validation),
+        _every_metric(validation),
+        Section("Where the numbers come from", "", (Table((), list(_facts(validation)), "facts"),)),
     )
+    return render_page("Does the simulator agree with the machine?", subtitle, sections)
 
 
-def _error_table(validation: Validation) -> str:
+def _frame_by_frame(validation: Validation) -> Section:
+    note = (
+        "Error of frame times in per cent of those measured, mean ± standard deviation, with the "
+        "5th and 95th percentile below.  Model of what was drawn: each recorded frame is priced by "
+        "the profile; v_time: that follows the frames before; simulated replay: the simulator's "
+        "own run at the same moment of the trace, with its own noise; recorded again: a second "
+        "recording there, which shows how far the machine comes from itself."
+    )
     rows = [_error_row(policy.label, policy.errors) for policy in validation.policies]
     rows.append(_error_row("all policies", validation.all_policies))
-    return html_table("<th>policy</th>" + _heads(title for _, title in COMPARED), rows)
+    return Section("Frame by frame", note, (Table(("policy", *COMPARED.values()), rows),))
 
 
-def _error_row(label: str, errors: Errors) -> str:
-    cells: list[str] = []
-    for name, _ in COMPARED:
-        found = error_word(errors, name)
-        span = "" if found is None else f"<small>{found.p05_pct:.1f} to {found.p95_pct:.1f}</small>"
-        cells.append(f"<td>{error_text(found)}{span}</td>")
-    return f"<tr><th>{escape(label)}</th>{''.join(cells)}</tr>"
+def _error_row(label: str, errors: Errors) -> tuple[Cell | str, ...]:
+    cells: list[Cell] = []
+    for name in COMPARED:
+        error = errors_of(errors, name)
+        span = "" if error is None else f"{error.p05_pct:.1f} to {error.p95_pct:.1f}"
+        cells.append(Cell(error_text(error), span))
+    return label, *cells
 
 
-def _rank_table(validation: Validation) -> str:
-    rows: list[str] = []
-    for name in RANKED:
-        rank = validation.ranks.get(name)
-        simulated = rank_text(None if rank is None else rank.simulated)
-        again = rank_text(None if rank is None else rank.again)
-        rows.append(f"<tr><th><code>{name}</code></th><td>{simulated}</td><td>{again}</td></tr>")
-    heads = _heads(("simulated and measured", "measured twice"))
-    return html_table(f"<th>Kendall's τ</th>{heads}", rows)
+def _metric_by_metric(validation: Validation) -> Section:
+    note = (
+        f"Values on the dashed line agree; bars are {validation.level:.0%} intervals.  Kendall's τ "
+        "says whether simulation and recording order the policies alike: 1 is the same order."
+    )
+    ranks = [
+        (name, rank_text(validation, name), rank_text(validation, name, again=True))
+        for name in RANKED
+    ]
+    heads = ("Kendall's τ", "simulated and measured", "measured twice")
+    blocks = (Chart("agreement", agreement_chart(validation)), Table(heads, ranks, "metrics"))
+    return Section("Metric by metric", note, blocks)
 
 
-def _metric_table(validation: Validation) -> str:
-    rows: list[str] = []
+def _every_metric(validation: Validation) -> Section:
+    note = (
+        "Measured, with the simulated value and its interval below; green where the measured value "
+        "is inside."
+    )
+    rows: list[tuple[Cell | str, ...]] = []
     for metric in METRICS:
-        cells: list[str] = []
+        cells: list[Cell] = []
         for policy in validation.policies:
             item = policy.metrics[metric.id]
-            mark = "" if item.inside is not True else ' class="best"'
-            span = "" if item.low is None else f", {format_value(item.low)} to "
-            span += "" if item.high is None else format_value(item.high)
-            cells.append(
-                f"<td{mark}>{format_value(item.measured)}"
-                f"<small>{format_value(item.simulated)}{span}</small></td>"
+            span = ", ".join(
+                filter(None, (format_value(item.simulated), format_span(item.low, item.high)))
             )
-        rank = validation.ranks.get(metric.id)
-        cells.append(f"<td>{rank_text(None if rank is None else rank.simulated)}</td>")
-        rows.append(
-            f'<tr><th title="{escape(metric.definition)}"><code>{metric.id}</code></th>'
-            f"<td>{escape(metric.unit)}</td>{''.join(cells)}</tr>"
-        )
-    note = (
-        '<p class="dim">Measured, with the simulated value and its interval below; green where the '
-        "measured value is inside.</p>"
-    )
-    heads = _heads(policy.label for policy in validation.policies)
-    return note + html_table(f"<th>metric</th><th>unit</th>{heads}<th>τ</th>", rows)
+            cells.append(Cell(format_value(item.measured), span, best=item.inside is True))
+        head = Cell(metric.id, hint=metric.definition)
+        rows.append((head, metric.unit, *cells, rank_text(validation, metric.id)))
+    heads = ("metric", "unit", *(policy.label for policy in validation.policies), "τ")
+    table = Table(heads, rows, "metrics")
+    return Section("Every metric of every policy", note, (table,), folded=True)
 
 
 def _facts(validation: Validation) -> Iterator[tuple[str, str]]:
     yield "profile", f"{validation.hardware}: {validation.hardware_source}"
-    yield "calibrated on", ", ".join(validation.measured_on) or "not said"
+    yield "calibrated on", ", ".join(validation.measured_on) or "unknown"
     yield from validation.log.items()
     yield "warm-up", f"the first {validation.warmup} frames of each replay are not counted"
     yield "draws", f"{validation.draws} posterior draws of the cost model"
     yield "made by", f"lodbench {__version__}"
-
-
-def _heads(titles: Iterable[str]) -> str:
-    return "".join(f"<th>{escape(title)}</th>" for title in titles)

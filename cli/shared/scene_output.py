@@ -1,15 +1,15 @@
-"""What the commands on scenes have in common: where they write, and how they show a scene."""
+"""What the commands on scenes have in common: how they write a scene, and how they show one."""
 
 import json
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
-    from collections.abc import Generator
+    from collections.abc import Mapping
 
     from rich.table import Table
 
+    from ...models.meshes.geometry import Geometry
     from ...models.scene.scene import Scene
     from ...models.scene.scene_file import SceneOrigin
 
@@ -17,8 +17,8 @@ _MOST_TYPES = 64  # in a table; --json has them all
 _READERS = ("3d-tiles", "gltf")
 
 
-def check_target(out: Path) -> None:
-    """Raise InputError unless a scene can be written there and found by its name."""
+def check_scene_options(out: Path, seed: int) -> None:
+    """Refuse, before the work, a file that could not be written or found by its name."""
     from ...base.errors import InputError
     from ...models.scene.scene_catalog import SUFFIX
 
@@ -26,19 +26,27 @@ def check_target(out: Path) -> None:
         raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
     if not out.parent.is_dir():
         raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+    if seed < 0:
+        raise InputError(f"seed: expected an integer >= 0, got {seed}")
 
 
-@contextmanager
-def opening(spec: str) -> "Generator[None]":
-    """Tell on stderr, where that is a terminal, that a scene is opened, or made at first."""
-    from rich.console import Console
+def write_built(
+    out: Path,
+    scene: "Scene",
+    geometry: "Geometry",
+    meshes: list[Path],
+    settings: "Mapping[str, str | float | bool | None]",
+    *,
+    as_json: bool,
+) -> None:
+    """Write a scene that was made of meshes, with the settings that made it, and show it."""
+    from ...base.version import __version__
+    from ...models.scene.scene_file import SceneOrigin, write_scene
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(f"opening {spec}; bundled scenes are made the first time"):
-        yield
+    sources = tuple(path.name for path in meshes)
+    origin = SceneOrigin(f"lodbench {__version__}", sources, settings)
+    write_scene(out, scene, geometry, origin)
+    show("lodbench.scene-build/1", str(out), scene, origin, as_json=as_json)
 
 
 def show(schema: str, spec: str, scene: "Scene", origin: "SceneOrigin", *, as_json: bool) -> None:
@@ -62,46 +70,40 @@ def _print(record: dict[str, Any]) -> None:
         console.print(_type_table(record))
     center = ", ".join(f"{value:.1f}" for value in record["extent"]["center_m"])
     size = " by ".join(f"{value:.1f}" for value in record["extent"]["size_m"])
-    lines = [
-        (
-            f"{record['objects']:,} objects, {record['moving']:,} moving; "
-            f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})"
-        )
-    ]
-    options = record["origin"]["options"]
+    console.print(
+        f"{record['objects']:,} objects, {record['moving']:,} moving; "
+        f"{record['triangles']:,} triangles at full detail; extent {size} m about ({center})",
+        highlight=False,
+        soft_wrap=True,
+    )
+    settings = record["origin"]["options"]
     if record["origin"]["tool"] in _READERS:  # what was read, and what was not
-        lines.append(", ".join(f"{key.replace('_', ' ')}: {options[key]}" for key in options))
-    for line in lines:
+        line = ", ".join(f"{key.replace('_', ' ')}: {settings[key]}" for key in settings)
         console.print(line, highlight=False, soft_wrap=True)
 
 
 def _depth_table(record: dict[str, Any]) -> "Table":
-    from rich.table import Table
-    from rich.text import Text
+    from ...analysis.report.terminal import titled_table
 
-    table = Table(title=Text(f"{record['scene']}: nodes by depth"))
-    for name in ("depth", "nodes", "leaves", "triangles", "greatest error m"):
-        table.add_column(name, justify="right", no_wrap=True)
+    columns = ("depth", "nodes", "leaves", "triangles")
+    table = titled_table(f"{record['scene']}: nodes by depth", (*columns, "greatest error m"))
     for row in record["depths"]:
-        numbers = (f"{row[name]:,}" for name in ("depth", "nodes", "leaves", "triangles"))
-        table.add_row(*numbers, f"{row['error_m_max']:.3g}")
+        table.add_row(*(f"{row[name]:,}" for name in columns), f"{row['error_m_max']:.3g}")
     return table
 
 
 def _type_table(record: dict[str, Any]) -> "Table":
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(f"{record['scene']}: types and levels of detail"))
-    table.add_column("type", overflow="fold")
-    for name in ("objects", "level", "triangles", "vertices", "draws", "error m", "KiB"):
-        table.add_column(name, justify="right", no_wrap=True)
+    from ...analysis.report.terminal import titled_table
+
+    columns = ("type", "objects", "level", "triangles", "vertices", "draws", "error m", "KiB")
+    table = titled_table(f"{record['scene']}: types and levels of detail", columns)
     for kind in record["types"]:
+        named = (Text(kind["name"]), f"{kind['objects']:,}")
         for number, level in enumerate(kind["levels"]):
-            first = number == 0
             table.add_row(
-                Text(kind["name"] if first else ""),
-                f"{kind['objects']:,}" if first else "",
+                *(named if number == 0 else ("", "")),
                 str(number),
                 *(f"{level[name]:,}" for name in ("triangles", "vertices", "draw_calls")),
                 f"{level['error_m']:.3g}",

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .inputs import frame_budget
+
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ...models.scene.scene_catalog import OpenedScene
 
@@ -40,14 +42,13 @@ def draw_picture(
     from ...sim.replay import ReplayOptions
 
     profile = load_hardware(hardware)
-    budget = 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
     usual = "static-screen" if opened.scene.flat else "screen-space-error"
     shot = take_snapshot(
         parse_policy(policy or usual),
         opened.scene,
         load_trace(trace, opened.scene),
         profile,
-        ReplayOptions(budget_ms=budget),
+        ReplayOptions(budget_ms=frame_budget(budget_ms, profile)),
         frame,
     )
     write_picture(out, draw_snapshot(shot, opened.read_geometry()))

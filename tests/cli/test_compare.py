@@ -100,7 +100,7 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--scene", "plazza"], "did you mean plaza?"),
         (["--trace", "tuor"], "did you mean tour?"),
@@ -122,7 +122,7 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
     ],
 )
 def test_bad_input_ends_with_2_and_one_line(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Whatever is wrong is told in one line that begins with error, and nothing is printed."""
     assert run([*SHORT, *arguments]) == 2
@@ -130,7 +130,7 @@ def test_bad_input_ends_with_2_and_one_line(
     assert captured.out == ""
     assert captured.err.startswith("error: ")
     assert captured.err.count("\n") == 1
-    assert said in captured.err
+    assert message in captured.err
 
 
 def test_a_display_slower_than_the_profiles_range(capsys: pytest.CaptureFixture[str]) -> None:

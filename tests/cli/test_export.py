@@ -37,8 +37,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_one_file_is_exported_here(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Without --out, the file is named after the policy's and stands in the current folder."""
     assert run(["export", str(folder / "frames" / "full.parquet"), "--format", "presentmon"]) == 0
-    said = capsys.readouterr().out
-    assert said == "full.presentmon.csv: 40 frames of full, presentmon\n"
+    printed = capsys.readouterr().out
+    assert printed == "full.presentmon.csv: 40 frames of full, presentmon\n"
     assert len(read_presentmon("full.presentmon.csv")) == 39
 
 

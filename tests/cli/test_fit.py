@@ -55,9 +55,9 @@ def test_json_is_the_promised_document(log: Path, capsys: pytest.CaptureFixture[
 def test_the_table_says_priors_terms_and_errors(log: Path, capsys: pytest.CaptureFixture[str]):
     """The thesis's error stands beside the log's."""
     assert run(["fit", str(log), "--model", "gaussian", "--predict", str(log)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
+    printed = " ".join(capsys.readouterr().out.split())
     for part in ("half-normal", "draw_calls, triangles", "4.39 % ± 15.19 %", "R-hat", "walk"):
-        assert part in said
+        assert part in printed
 
 
 def test_the_profile_is_written_and_is_the_same_each_time(log: Path):
@@ -186,11 +186,11 @@ def test_mistakes_are_one_line(
     """Exit 2, `error:`, no traceback, nothing written."""
     assert log.exists()
     assert run(["fit", *arguments]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("error: ")
-    assert said.err.count("\n") == 1
-    assert says in said.err
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("error: ")
+    assert printed.err.count("\n") == 1
+    assert says in printed.err
     assert [path.name for path in Path().iterdir()] == ["walk.csv"]
 
 
@@ -224,11 +224,11 @@ def test_bad_logs_are_one_line(
     path = tmp_path / "bad.csv"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     assert run(["fit", str(path), "--terms", "auto"]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("error: ")
-    assert said.err.count("\n") == 1
-    assert says in said.err
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("error: ")
+    assert printed.err.count("\n") == 1
+    assert says in printed.err
 
 
 def test_mixed_line_ends_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -260,10 +260,10 @@ def test_real_logs_that_cannot_be_fitted_say_why(
 ):
     """Capped times carry no cost; timings alone have no predictors, and the missing are named."""
     assert run(["fit", str(data_dir / "logs" / name)]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: ")
-    assert said.count("\n") == 1
-    assert says in said
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: ")
+    assert printed.count("\n") == 1
+    assert says in printed
 
 
 @pytest.mark.realdata

@@ -89,9 +89,9 @@ def test_a_log_that_fit_can_read(record: Record, name: str) -> None:
 def test_what_json_says(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
     """One document that is told from others by its schema."""
     assert record(*STATIC, "--json", "--instancing") == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found.pop("schema") == "lodbench.record/1"
-    assert sorted(found) == [
+    document = json.loads(capsys.readouterr().out)
+    assert document.pop("schema") == "lodbench.record/1"
+    assert sorted(document) == [
         "frame_ms_mean",
         "frame_ms_p95",
         "frame_ms_sd",
@@ -100,19 +100,19 @@ def test_what_json_says(record: Record, capsys: pytest.CaptureFixture[str]) -> N
         "means",
         "repeats_spread_pct",
     ]
-    assert found["frames"] == 12
-    assert found["log"]["draws"] == "instanced"
+    assert document["frames"] == 12
+    assert document["log"]["draws"] == "instanced"
     columns = {"draw_calls", "triangles", "shaded_samples", "cpu_ms", "policy_ms"}
-    assert set(found["means"]) == columns
-    assert found["means"]["draw_calls"] <= 8  # levels, however many objects
+    assert set(document["means"]) == columns
+    assert document["means"]["draw_calls"] <= 8  # levels, however many objects
 
 
 def test_what_a_reader_is_told(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
     """The device, the times and the counts, in a few lines."""
     assert record(*STATIC, "--images", "pictures") == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for part in ("160x90", "12 frames of", "draw calls", "of the policy, apart", "SSIM"):
-        assert part in said
+        assert part in printed
 
 
 def test_frames_as_compare_writes_them(record: Record) -> None:
@@ -130,8 +130,8 @@ def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[s
     assert record(*full, "--image-every", "4") == 0
     capsys.readouterr()
     assert record(*full, "--image-every", "6") == 0
-    found = json.loads(capsys.readouterr().out)["pictures"]
-    assert found == {"count": 2, "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
+    document = json.loads(capsys.readouterr().out)["pictures"]
+    assert document == {"count": 2, "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
     names = sorted(path.name for path in Path("pictures").iterdir())
     assert names == ["frame-000000.png", "frame-000006.png", "images.csv"]
     header, *rows = Path("pictures/images.csv").read_text(encoding="utf-8").splitlines()
@@ -269,18 +269,18 @@ def test_without_a_driver(
     """A machine without EGL, without drivers, or without a display: one line says what to do."""
     scene, out = str(scenes / "balls.lodscene"), str(tmp_path / "log.csv")
     arguments = ["record", "--scene", scene, "--out", out, *QUICK, *STATIC, "--backend", backend]
-    found = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-m", "lodbench", *arguments],
         env=os.environ | broken,
         capture_output=True,
         text=True,
     )
-    assert found.returncode == 2
-    last = found.stderr.splitlines()[-1]
+    assert result.returncode == 2
+    last = result.stderr.splitlines()[-1]
     assert last.startswith("error: expected ")
     assert advice in last
-    assert "Traceback" not in found.stderr
-    assert found.stdout == ""
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
     assert list(tmp_path.iterdir()) == []
 
 
@@ -346,6 +346,6 @@ def test_real_meshes_along_a_real_trace(
     drawn = [*arguments, "--frames", "48", "--repeats", "1", "--out", str(log), "--json"]
     assert run(["record", *drawn]) == 0
     assert json.loads(capsys.readouterr().out)["frames"] == 48
-    found = read_render_log(log)
-    assert found.columns(["textured_triangles"]).max() > 0.0
-    assert found.columns(["shaded_samples"]).max() > 0.0
+    recorded = read_render_log(log)
+    assert recorded.columns(["textured_triangles"]).max() > 0.0
+    assert recorded.columns(["shaded_samples"]).max() > 0.0

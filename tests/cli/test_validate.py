@@ -23,7 +23,7 @@ QUICK = [
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Record two policies twice and validate."""
-    folder = tmp_path_factory.mktemp("validate") / "found"
+    folder = tmp_path_factory.mktemp("validate") / "run"
     assert run(["validate", *QUICK, "--repeats", "1", "--out", str(folder)]) == 0
     return folder
 
@@ -52,12 +52,12 @@ def test_recordings_are_compared_again_without_a_device(
     out = tmp_path / "again"
     arguments = ["validate", *QUICK, "--recorded", str(recorded), "--out", str(out), "--json"]
     assert run(arguments) == 0
-    found = json.loads(capsys.readouterr().out)
+    document = json.loads(capsys.readouterr().out)
     before = json.loads((recorded / "validation.json").read_text(encoding="utf-8"))
-    assert found["schema"] == "lodbench.validate/1"
+    assert document["schema"] == "lodbench.validate/1"
     for key in ("ranks", "inside"):
-        assert found[key] == before[key]
-    for mine, theirs in zip(found["policies"], before["policies"], strict=True):
+        assert document[key] == before[key]
+    for mine, theirs in zip(document["policies"], before["policies"], strict=True):
         assert mine["metrics"] == theirs["metrics"]
         assert mine["errors"]["model"] == pytest.approx(theirs["errors"]["model"], rel=1e-3)
     assert (out / "render" / "full.parquet").read_bytes() == (

@@ -10,8 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.analysis.metrics.metric_registry import METRICS
+from lodbench.analysis.report import sections
+from lodbench.analysis.report.blocks import Across, Cell, Paragraph, Section, Table, Tile, Tiles
+from lodbench.analysis.report.page import render_page
 from lodbench.analysis.report.palette import inks
-from lodbench.analysis.report.render import render_report
+from lodbench.analysis.report.render import SECTIONS, render_report
 from lodbench.analysis.report.series import bin_means, envelope, tail
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison
@@ -91,6 +94,28 @@ def test_markup_in_names_stays_text(results: Results) -> None:
     html = render_report(*results)
     assert "<b>patience</b>" not in html
     assert "&lt;b&gt;patience&lt;/b&gt;" in html
+
+
+def test_markup_in_cells_stays_text() -> None:
+    """Every text of every kind of block is escaped, attributes included."""
+    tag = '<b title="x">'
+    cell = Cell(tag, small=tag, hint=tag, tags=(tag,))
+    blocks = (
+        Table((cell, tag), ((cell, tag), Across(cell, "text")), "facts"),
+        Tiles((Tile(tag, (cell, tag), tag),)),
+        Paragraph(tag, "warn"),
+    )
+    html = render_page(tag, tag, [Section(tag, tag, blocks), Section(tag, tag, (), folded=True)])
+    assert tag not in html
+    assert html.count("&lt;b title=&#34;x&#34;&gt;") == sum(
+        (3, 2 * 2, 3 * 4 + 2, 3 + 3, 1)  # of the page, its sections, table, tile and paragraph
+    )
+
+
+def test_every_section_is_on_the_page_once() -> None:
+    """Each file of ``sections/`` is registered, under its own name."""
+    files = {path.stem for path in Path(sections.__file__).parent.glob("*.py")} - {"__init__"}
+    assert sorted(SECTIONS) == sorted(files)
 
 
 def test_charts_hold_every_policy(results: Results) -> None:

@@ -8,12 +8,9 @@ import pytest
 from rich.console import Console
 
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.report.terminal_table import (
-    HEADLINE,
-    best_labels,
-    format_value,
-    print_comparison,
-)
+from lodbench.analysis.report.summary import HEADLINE, best_labels
+from lodbench.analysis.report.terminal_table import print_comparison
+from lodbench.analysis.report.values import format_value
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.models.machine.hardware import HardwareProfile

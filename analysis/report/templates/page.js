@@ -1,14 +1,3 @@
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>$style</style>
-<script>$plotly</script>
-</head>
-<body>
-$body<script>
 const dark = matchMedia("(prefers-color-scheme: dark)");
 function paint() {
   const color = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
@@ -17,6 +6,3 @@ function paint() {
 }
 dark.addEventListener("change", paint);
 paint();
-</script>
-</body>
-</html>

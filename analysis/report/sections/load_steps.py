@@ -1,0 +1,99 @@
+"""How policies answer a step in load: a chart about each step, and a table of the answers."""
+
+from typing import Any
+
+from ...metrics.measured_frames import Run
+from ...metrics.steps import APART_NS, Step
+from ...study.comparison import Comparison, PolicyResult
+from ..blocks import Cell, Chart, Paragraph, Table
+from ..results import Results, section
+from ..series import envelope
+from ..style import BUDGET, add_line, panels, styled
+from ..summary import BOUND, settled
+from ..values import ABSENT, format_value
+
+_BUCKETS = 700
+_BEFORE_S, _AFTER_S = 0.25, 1.5
+_MOST_STEPS = 6
+
+
+@section("After a step in load")
+def load_steps(results: Results) -> tuple[Paragraph] | tuple[Chart, Table]:
+    """Work time over the budget, about each of the largest steps: up to six.
+
+    A step is a rise of what is visible, priced at full detail, by a quarter or more within 100 ms
+    to above the budget.  Overshoot is the largest work time until the budget has been kept for
+    250 ms, over the budget; settling is the time until it is kept.  “>” marks a policy that had not
+    settled by the next step, after 5 s, or at the end.
+    """
+    steps = _largest_steps(results.comparison)
+    if not steps:
+        return (Paragraph("The visible load of this trace has no such step."),)
+    return Chart("steps", _chart(results, steps)), _table(results, steps)
+
+
+def _largest_steps(comparison: Comparison) -> list[Step]:
+    """Return the steps to draw, in order of time: the largest rises that some policy met."""
+    runs = [policy.steps for policy in comparison.ok if policy.steps]
+    steps = max(runs, key=len, default=())
+    rise = sorted(steps, key=lambda step: step.load_before_ms - step.load_after_ms)
+    return sorted(rise[:_MOST_STEPS], key=lambda step: step.time_ms)
+
+
+def _chart(results: Results, steps: list[Step]) -> Any:
+    """Return work over budget about each step."""
+    comparison = results.comparison
+    columns = min(len(steps), 3)
+    rows = -(-len(steps) // columns)
+    titles = [
+        f"{step.time_ms * 1e-3:.1f} s: load {step.load_before_ms:.1f} → {step.load_after_ms:.1f} ms"
+        for step in steps
+    ]
+    figure = panels(
+        rows, columns, shared_yaxes=True, subplot_titles=titles,
+        vertical_spacing=0.5 / (2 * rows), horizontal_spacing=0.03,
+    )  # fmt: skip
+    for policy in comparison.ok:
+        run = Run(results.logs[policy.label])
+        for i, step in enumerate(steps):
+            since_s = run.time_s - step.time_ms * 1e-3
+            near = (since_s >= -_BEFORE_S) & (since_s <= _AFTER_S)
+            points = envelope(since_s[near], run.work_ms[near] / comparison.budget_ms, _BUCKETS)
+            panel = (1 + i // columns, 1 + i % columns)
+            add_line(figure, panel, points, policy, results.inks[policy.label], first=i == 0)
+    figure.add_hline(y=1.0, line=BUDGET)
+    figure.update_yaxes(rangemode="tozero")
+    figure.update_yaxes(title_text="work / budget", col=1)
+    figure.update_xaxes(title_text="s since the step", row=rows)
+    return styled(figure, 90 + 260 * rows, comparison.ok)
+
+
+def _table(results: Results, drawn: list[Step]) -> Table:
+    """Return overshoot and settling of each policy after each step, and on average."""
+    heads = [f"{step.time_ms * 1e-3:.1f} s" for step in drawn]
+    rows = [
+        (results.name_of(policy), *(_answer(policy, step) for step in drawn), _mean(policy))
+        for policy in results.comparison.ok
+    ]
+    return Table(("overshoot, settling", *heads, "mean of all"), rows)
+
+
+def _answer(policy: PolicyResult, drawn: Step) -> Cell:
+    """Return how a policy answered a step.
+
+    Policies sample the trace at different times; a step of one is that of another if they are
+    closer than `APART_NS`.
+    """
+    step = min(policy.steps, key=lambda met: abs(met.time_ms - drawn.time_ms), default=None)
+    if step is None or abs(step.time_ms - drawn.time_ms) * 1e6 >= APART_NS:
+        return Cell(ABSENT)
+    return _cell(step.overshoot_ratio, step.settle_ms, bound=not step.settled)
+
+
+def _mean(policy: PolicyResult) -> Cell:
+    overshoot, settle = policy.metrics["overshoot_ratio"], policy.metrics["settle_ms"]
+    return _cell(overshoot.value, settle.value, bound=not settled(policy))
+
+
+def _cell(overshoot: float | None, settle_ms: float | None, *, bound: bool) -> Cell:
+    return Cell(f"{format_value(overshoot)} ×", f"{BOUND * bound}{format_value(settle_ms)} ms")

@@ -1,0 +1,35 @@
+"""What several commands do with what they were given, and with what they print."""
+
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # numpy and rich are loaded by the command that needs them
+    from rich.console import Console
+
+    from ...models.machine.hardware import HardwareProfile
+    from ...models.scene.scene_catalog import OpenedScene
+
+
+def open_named_scene(spec: str) -> "OpenedScene":
+    """Open a scene, and meanwhile tell so on stderr, where that is a terminal."""
+    from rich.console import Console
+
+    from ...models.scene.scene_catalog import open_scene
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        return open_scene(spec)
+    with console.status(f"opening {spec}; bundled scenes are made the first time"):
+        return open_scene(spec)
+
+
+def frame_budget(budget_ms: float | None, profile: "HardwareProfile") -> float:
+    """Return the budget in ms: the one that was asked for, else one refresh of the display."""
+    return 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
+
+
+def table_console(piped_width: int) -> "Console":
+    """Return a console for tables; a pipe, which has no width of its own, gets the one given."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else piped_width, highlight=False)

@@ -1,0 +1,61 @@
+"""Options that several commands share, declared once; a command's signature has the default."""
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, Option
+
+POLICY_HELP = "NAME, NAME:key=value,key=value, or file.py:Class"
+_OR_REFRESH = "Time a frame may take; else one refresh of the display."
+_PLACE = (
+    "How a trace's file is put into the scene: shrink (centred, scaled down if larger), fit "
+    "(scaled to fill it), center or none."
+)
+_TRACE = "`tour`, a kind of movement (`list traces`), or FILE, FILE#SELECTOR."
+
+AsJson = Annotated[bool, Option("--json", help="Print one JSON document.")]
+
+# What is replayed.
+Scene = Annotated[str, Option(help="A bundled scene, or a scene file.")]
+SceneWithMeshes = Annotated[str, Option(help="A bundled scene, or a scene file with meshes.")]
+Trace = Annotated[str, Option(help=_TRACE)]
+Place = Annotated[str, Option(help=_PLACE)]
+Hardware = Annotated[str, Option(help="A bundled profile, or a TOML file.")]
+Policy = Annotated[str | None, Option(help=f"{POLICY_HELP}.")]
+Policies = Annotated[list[str] | None, Option(help=f"{POLICY_HELP}; may be repeated.")]
+BudgetMs = Annotated[float | None, Option(help=_OR_REFRESH)]
+Frames = Annotated[int | None, Option(help="Frames to replay; else as long as the trace lasts.")]
+FovyDeg = Annotated[float, Option(help="Vertical field of view.")]
+Seed = Annotated[int, Option(help="Same seed, same results.")]
+
+# How replays are scored.
+Warmup = Annotated[int, Option(help="Frames at the start that do not count.")]
+Resamples = Annotated[int, Option(help="Bootstrap resamples.")]
+Draws = Annotated[
+    int, Option(help="Posterior draws of the cost model to replay, if there are any.")
+]
+Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results are the same.")]
+
+# How frames are drawn with OpenGL.
+Backend = Annotated[str, Option(help="egl, off screen, or window.")]
+Instancing = Annotated[
+    bool, Option("--instancing", help="Draw all instances of a level at once, not each on its own.")
+]
+Repeats = Annotated[int, Option(help="Times that each frame is drawn; the median counts.")]
+Threads = Annotated[int, Option(help="Threads of llvmpipe beside the caller's; 0 is the quietest.")]
+
+# How scenes are built from meshes.
+Meshes = Annotated[
+    list[Path],
+    Argument(metavar="MESH...", help="Mesh files, each a type or a tree of its own: obj, ply..."),
+]
+SceneOut = Annotated[Path, Option("--out", help="Scene file to write, *.lodscene.")]
+Layout = Annotated[str, Option(help="grid, scatter, rows, city or forest.")]
+MeshSeed = Annotated[int, Option(help="Same seed and meshes, same file.")]
+Levels = Annotated[int, Option(help="Levels at most, the full mesh included.")]
+SpacingM = Annotated[float, Option(help="Free space between bounding spheres.")]
+SideM = Annotated[float | None, Option(help="Side of the square; else as large as needed.")]
+RandomYaw = Annotated[bool, Option(help="Turn objects about the vertical.")]
+Up = Annotated[str, Option(help="Axis that points up in the files: y or z.")]
+HeightM = Annotated[float, Option(help="Height that each mesh is scaled to.")]
+UnitM = Annotated[float | None, Option(help="Metres of a file unit, instead of --height-m.")]
