@@ -1,8 +1,7 @@
 """All metrics, in the order in which tables show them."""
 
-import difflib
-
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from . import flicker, lag, quality, stability, work
 from .metric import Metric
 
@@ -22,6 +21,5 @@ def find_metric(metric_id: str) -> Metric:
     """
     if metric_id in _BY_ID:
         return _BY_ID[metric_id]
-    near = difflib.get_close_matches(metric_id, _BY_ID, n=1)
-    hint = f"did you mean {near[0]}?" if near else "see `lodbench list metrics`"
-    raise InputError(f"metric: expected one of the {len(_BY_ID)} ids, got {metric_id}; {hint}")
+    advice = "see `lodbench list metrics`"
+    raise InputError(f"metric: {unknown_name(metric_id, _BY_ID, advice=advice)}")

@@ -1,11 +1,11 @@
 """Read a render log from a file of any known format, named or recognised by its content."""
 
-import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from .formats.capframex import read_capframex
 from .formats.log_csv import read_csv_log
 from .formats.log_parquet import MAGIC, read_parquet_log
@@ -74,10 +74,7 @@ def read_render_log(
     name = log_format_of(path) if log_format is None else log_format
     chosen = LOG_FORMATS.get(name)
     if chosen is None:
-        near = difflib.get_close_matches(name, LOG_FORMATS, n=1)
-        hint = f"did you mean {near[0]}?" if near else "name one"
-        message = f"log format: expected one of {', '.join(LOG_FORMATS)}, got {name}; {hint}"
-        raise InputError(message)
+        raise InputError(f"log format: {unknown_name(name, LOG_FORMATS)}")
     if mapping and not chosen.predictors:
         message = f"expected no mapping, since a {name} log holds nothing but times"
         raise InputError(f"{message}; remove it, or name the format csv", path=path)
