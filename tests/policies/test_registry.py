@@ -168,7 +168,7 @@ def test_classes_that_refuse_their_parameters(own: Path, parameters_text: str) -
         (b"1 / 0\n", "expected a Python file that loads, got ZeroDivisionError"),
         (b"raise SystemExit\n", "expected a Python file that loads, got SystemExit"),
         (b"\xff\xfe\x00", "expected a Python file that loads, got "),
-        (b"", "unknown class Mine; known: none"),
+        (b"", "expected no such name, got Mine"),
         (UNRESOLVED, "expected annotations that resolve .*'Scene' is not defined"),
     ],
 )
