@@ -5,7 +5,6 @@ A policy is named ``name`` or ``name:key=value,key=value``.  A name is a registe
 imported when they are made, not before.
 """
 
-import difflib
 import importlib
 import importlib.util
 import inspect
@@ -19,6 +18,7 @@ from typing import Any
 import msgspec
 
 from ..base.errors import InputError
+from ..base.nearest_names import unknown_name
 from .protocol import Capabilities, Policy
 
 REGISTERED = {
@@ -139,17 +139,9 @@ def parse_policy(text: str) -> PolicySpec:
         if not equals:
             raise InputError(f"policy {text}: expected key=value, got {item}")
         if key not in known:
-            raise InputError(f"policy {name}: {unknown('parameter', key, known)}")
+            raise InputError(f"policy {name}: {unknown_name(key, sorted(known))}")
         params[key] = _convert(value.strip(), known[key], text)
     return PolicySpec(text, name, cls, params)
-
-
-def unknown(what: str, got: str, known: typing.Iterable[str]) -> str:
-    """Return the sentence for an unknown name: the nearest, then all that are known."""
-    names = sorted(known)
-    near = difflib.get_close_matches(got, names, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return f"unknown {what} {got}; {hint}known: {', '.join(names) or 'none'}"
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -171,16 +163,15 @@ def _find(name: str) -> type[Any]:
     if where in REGISTERED:
         raise InputError(f"policy {where}: expected key=value after the colon, got {cls or name}")
     if not (where and cls):
-        raise InputError(
-            f"{unknown('policy', name, REGISTERED)}; or name your own as file.py:Class"
-        )
+        own = "your own as file.py:Class"
+        raise InputError(f"policy: {unknown_name(name, sorted(REGISTERED), instead=own)}")
     module = _load_file(Path(where)) if where.endswith(".py") else _import(where)
     found = getattr(module, cls, None)
     if not inspect.isclass(found):
         classes = [
             n for n, c in vars(module).items() if inspect.isclass(c) and hasattr(c, "select")
         ]
-        raise InputError(f"policy {where}: {unknown('class', cls, classes)}")
+        raise InputError(f"policy {where}: {unknown_name(cls, sorted(classes))}")
     if not (hasattr(found, "select") and hasattr(found, "reset")):
         raise InputError(f"policy {name}: expected a class with reset and select")
     return found

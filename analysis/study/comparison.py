@@ -6,7 +6,7 @@ from typing import Literal
 
 import msgspec
 
-from ...base.errors import InputError
+from ...base.strict_json import read_json
 from ..metrics.metric import Better
 from ..metrics.steps import Step
 
@@ -175,15 +175,5 @@ def read_comparison(path: Path) -> Comparison:
 
     Raises `InputError` if the file is missing or is not what `encode_comparison` writes.
     """
-    try:
-        return msgspec.json.decode(path.read_bytes(), type=Comparison)
-    except OSError as error:
-        raise InputError(
-            f"expected a comparison, got {error.strerror}; give a folder that `lodbench compare "
-            "--out` wrote",
-            path=path,
-        ) from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"expected the JSON of {SCHEMA}, got {error}; run `lodbench compare` again", path=path
-        ) from error
+    advice = "give a folder that `lodbench compare --out` wrote, or run it again"
+    return read_json(path, Comparison, SCHEMA, advice)

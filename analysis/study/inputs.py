@@ -1,11 +1,11 @@
 """Camera traces by name or by file, placed into the scene that they are replayed in."""
 
-import difflib
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from ...models.scene.scene import Scene
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.generate import KINDS
@@ -43,9 +43,7 @@ def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
         return stage.move(spec, GENERATED_S)
     if not _names_a_file(spec):
         names = [BUNDLED_TRACE, *KINDS]
-        near = difflib.get_close_matches(spec, names, n=1)
-        hint = f"did you mean {near[0]}?" if near else "name one or give a path"
-        raise InputError(f"trace: expected one of {', '.join(names)} or a file, got {spec}; {hint}")
+        raise InputError(f"trace: {unknown_name(spec, names, instead='a file')}")
     trace = read_trace(spec)
     if placing == "none":
         return trace

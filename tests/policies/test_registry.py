@@ -110,15 +110,18 @@ def test_an_installed_module() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("fedback", r"unknown policy fedback; did you mean feedback\? known: .*or name your own"),
-        (":", r"unknown policy :; known: .*or name your own as file.py:Class"),
-        ("xyzzy", r"unknown policy xyzzy; known: .*full, .*or name your own as file.py:Class"),
-        ("", "unknown policy ; known: "),
+        (
+            "fedback",
+            r"policy: .* or your own as file.py:Class, got fedback; did you mean feedback",
+        ),
+        (":", "or your own as file.py:Class, got :; name one of them"),
+        ("xyzzy", "one of .*full, .*or your own as file.py:Class, got xyzzy;"),
+        ("", "expected one of .*, got nothing; name one of them"),
         (
             "feedback:gian=1",
-            r"policy feedback: unknown parameter gian; did you mean gain\? known: dead_band, ",
+            r"policy feedback: expected one of dead_band, .*, got gian; did you mean gain\?",
         ),
-        ("full:level=1", "policy full: unknown parameter level; known: none"),
+        ("full:level=1", "policy full: expected no such name, got level; remove it"),
         ("feedback:gain=fast", "policy feedback:gain=fast: gain: Expected `float`, .*got fast"),
         ("feedback:gain=", "gain: Expected `float`"),
         ("feedback:gain=1,target", "expected key=value, got target"),
@@ -126,7 +129,7 @@ def test_an_installed_module() -> None:
         ("feedback:", "policy feedback: expected key=value after the colon, got feedback:"),
         ("gain=1", "expected name:key=value, got no colon before the key"),
         ("no.such.module:Class", "policy module no.such.module: No module named 'no'"),
-        ("lodbench.policies.bounds.full:Ful", "unknown class Ful; did you mean Full"),
+        ("lodbench.policies.bounds.full:Ful", "got Ful; did you mean Full"),
         ("nowhere.py:Mine", "nowhere.py: expected a Python file with a policy, got no file"),
     ],
 )
@@ -139,8 +142,8 @@ def test_wrong_names_say_what_to_do(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("Min", r"unknown class Min; did you mean Mine\? known: Bare, Full, Mine, Plain"),
-        ("number", "unknown class number"),
+        ("Min", r"expected one of Bare, Full, Mine, Plain, got Min; did you mean Mine\?"),
+        ("number", "got number; name one of them"),
         ("NoSelect", "expected a class with reset and select"),
     ],
 )
@@ -165,7 +168,7 @@ def test_classes_that_refuse_their_parameters(own: Path, parameters_text: str) -
         (b"1 / 0\n", "expected a Python file that loads, got ZeroDivisionError"),
         (b"raise SystemExit\n", "expected a Python file that loads, got SystemExit"),
         (b"\xff\xfe\x00", "expected a Python file that loads, got "),
-        (b"", "unknown class Mine; known: none"),
+        (b"", "expected no such name, got Mine"),
         (UNRESOLVED, "expected annotations that resolve .*'Scene' is not defined"),
     ],
 )
