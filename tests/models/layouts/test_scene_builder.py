@@ -28,10 +28,10 @@ def build(ball_models: list[TypeModel]) -> Build:
     return build_balls
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(
     layout=st.sampled_from(LAYOUTS),
-    count=st.integers(1, 40),
+    count=st.integers(1, 80),
     spacing=st.floats(0.0, 3.0),
     variation=st.floats(0.0, 0.9),
     seed=st.integers(0, 2**32),
