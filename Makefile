@@ -1,6 +1,6 @@
 # make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
 # make test      quick tests          make test-slow   the others
-# make check     format, lint, types and every command that the documentation shows
+# make check     format, lint, types, which room imports which, the documentation's links and tables
 # make bench     speed, beside simpy's
 # make docs      generated parts of the documentation, and its site in out/site
 # make validation  measure this machine with OpenGL, and write what docs/validation.md reports
@@ -29,7 +29,8 @@ check: .venv/.installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright
-	$(BIN)/pytest -q tests/test_docs.py
+	cd .types && ../$(BIN)/lint-imports ../pyproject.toml --no-cache --no-logo
+	$(BIN)/pytest -q tests/test_docs.py -k "not commands_run and not installed"
 
 bench: .venv/.installed-bench
 	$(BIN)/pytest tests/benchmarks $(PYTEST_FLAGS)

@@ -1,6 +1,7 @@
 """Fixtures shared by all tests: the real data's folder, and builders of small things by hand."""
 
 import os
+import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,7 @@ settings.register_profile("ci", derandomize=True, deadline=None)
 settings.register_profile("local", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
+ROOT = Path(__file__).parents[1]
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # looks along -z, x to the right and y up
 
 
@@ -36,10 +38,23 @@ UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # looks along -z, x to the right and y up
 def data_dir() -> Path:
     """Return the folder of real data; the test is skipped only where it is absent."""
     named = os.environ.get("LODBENCH_DATA")
-    folder = Path(named) if named else Path(__file__).parents[1].parent / "shared" / "data"
+    folder = Path(named) if named else ROOT.parent / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(f"real data not found: no folder {folder.name}; set LODBENCH_DATA")
     return folder
+
+
+@pytest.fixture(scope="session")
+def tracked_files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Return the names of files that a clone holds: all but what .gitignore names.
+
+    Git is asked about the checkout as if it were new, so that an unpacked archive will do.
+    """
+    git = ["git", f"--git-dir={tmp_path_factory.mktemp('git')}"]
+    subprocess.run([*git, "init", "--quiet", "--bare"], check=True)
+    listing = [*git, f"--work-tree={ROOT}", "ls-files", "-z", "--others", "--exclude-standard"]
+    listed = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True, check=True)
+    return sorted(filter(None, listed.stdout.split("\0")))
 
 
 @pytest.fixture(scope="session")

@@ -4,6 +4,7 @@ Docstrings and sorted ``__all__`` are ruff's to check (D1, RUF022).
 """
 
 import ast
+import os
 import re
 import subprocess
 import sys
@@ -11,14 +12,8 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[1]
 ROOMS = ("base", "models", "traces", "policies", "sim", "render", "analysis", "testing", "cli")
-BELOW = {
-    room: set(ROOMS[:i]) - ({"models"} if room == "traces" else set[str]())
-    for i, room in enumerate(ROOMS)
-} | {"policies": {"base", "models"}}
 PACKAGE = sorted(path for room in ("lodbench", *ROOMS) for path in (ROOT / room).rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 HEAVY = ("numpy", "scipy", "trimesh", "casadi", "emcee", "plotly", "pyarrow", "networkx")
@@ -29,10 +24,15 @@ def name_of(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
 
 
+def installed(path: Path) -> Path:
+    """``lodbench/models/machine/cost.py``: where a file of the package is once installed."""
+    inside = path.relative_to(ROOT)
+    return inside if inside.parts[0] == "lodbench" else "lodbench" / inside
+
+
 def module_of(path: Path) -> str:
     """``lodbench.models.machine.cost``, as users import it."""
-    inside = path.relative_to(ROOT / "lodbench" if path.parent.name == "lodbench" else ROOT)
-    parts = ("lodbench", *inside.with_suffix("").parts)
+    parts = installed(path).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
@@ -54,15 +54,6 @@ def imports_of(path: Path) -> Iterator[tuple[int, str, int]]:
                 yield node.level, name, node.lineno
 
 
-def subpackage_imports(path: Path) -> Iterator[tuple[str, int]]:
-    """Names directly below ``lodbench`` that a file of the package imports relatively."""
-    package = path.relative_to(ROOT).parent.parts
-    for level, name, line in imports_of(path):
-        if level:
-            absolute = (*package[: len(package) - level + 1], *name.split("."))
-            yield absolute[0], line
-
-
 def run_python(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run a script in an interpreter of its own, where nothing is imported yet."""
     command = [sys.executable, "-c", script, *arguments]
@@ -71,66 +62,80 @@ def run_python(script: str, *arguments: str) -> subprocess.CompletedProcess[str]
     return run
 
 
-@pytest.mark.parametrize("path", PACKAGE, ids=name_of)
-def test_imports_run_one_way(path: Path) -> None:
-    """Models and traces know nobody; policies see models; sim, analysis and cli what is below."""
-    folder = path.relative_to(ROOT).parts[0]
-    allowed = BELOW.get(folder, {"cli"} if folder == "__main__.py" else set[str]())
-    against = [
-        f"line {line}: {name}"
-        for name, line in subpackage_imports(path)
-        if name in BELOW and name != folder and name not in allowed
+def lint_imports(tree: Path) -> subprocess.CompletedProcess[str]:
+    """Judge a tree that holds the package as it is installed by the contracts in pyproject.toml."""
+    script = "from importlinter.cli import lint_imports_command as lint; lint()"
+    command = [
+        sys.executable,
+        "-c",
+        script,
+        "--no-cache",
+        "--no-logo",
+        str(ROOT / "pyproject.toml"),
     ]
-    assert against == []
+    path = {"PYTHONPATH": str(tree), "COLUMNS": "200"}
+    return subprocess.run(command, cwd=tree, env=os.environ | path, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("path", PACKAGE, ids=name_of)
-def test_imports_inside_the_package_are_relative(path: Path) -> None:
-    """The package never imports itself by name, so that every tool resolves it by path."""
-    own = {"lodbench", *BELOW}
-    named = [
-        f"line {line}: {name}"
-        for level, name, line in imports_of(path)
-        if level == 0 and name.split(".")[0] in own and path.parent.name != "lodbench"
-    ]
-    assert named == []
+def test_imports_run_one_way(tmp_path: Path) -> None:
+    """The contracts in pyproject.toml hold: rooms import downwards, helpers know no policy."""
+    (tmp_path / "lodbench").mkdir()
+    for path in (*(ROOT / room for room in ROOMS), *(ROOT / "lodbench").glob("*.py")):
+        (tmp_path / "lodbench" / path.name).symlink_to(path)
+    run = lint_imports(tmp_path)
+    assert run.returncode == 0, run.stdout
 
 
-@pytest.mark.parametrize("path", TESTS, ids=name_of)
-def test_tests_import_as_users_do(path: Path) -> None:
-    """Tests name ``lodbench.models``, never a bare ``models`` or a relative path."""
-    bare = [
-        f"line {line}: {name}"
-        for level, name, line in imports_of(path)
-        if level or name.split(".")[0] in BELOW
-    ]
-    assert bare == []
+def test_wrong_imports_are_noticed(tmp_path: Path) -> None:
+    """Imports upwards, of paths by a policy, of a policy by the simulator, of pytest are named."""
+    for path in PACKAGE:
+        copy = tmp_path / installed(path)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(path.read_bytes())
+    wrong = {
+        "base.errors": "lodbench.cli.main",
+        "policies.view": "lodbench.traces.cameras.camera_trace",
+        "sim.replay": "lodbench.policies.bounds.full",
+        "analysis.gate.limits": "pytest",
+    }
+    for module, imported in wrong.items():
+        with (tmp_path / "lodbench" / f"{module.replace('.', '/')}.py").open("a") as source:
+            source.write(f"import {imported}\n")
+    report = lint_imports(tmp_path).stdout
+    assert "0 kept, 4 broken" in report
+    for module, imported in wrong.items():
+        assert f"lodbench.{module} -> {imported}" in report
 
 
-def test_nobody_imports_pandas_or_simpy() -> None:
-    """The one place that may import simpy is the benchmark that is held against it."""
-    benchmarks = ROOT / "tests" / "benchmarks"
-    guilty = [
-        f"{name_of(path)}:{line}"
-        for path in (*PACKAGE, *TESTS)
-        if benchmarks not in path.parents
-        for _, name, line in imports_of(path)
-        if name.split(".")[0] in {"pandas", "simpy"}
-    ]
-    assert guilty == []
-
-
-def test_only_testing_imports_test_tools() -> None:
-    """Neither pytest nor hypothesis is needed, but by who tests; the contract checks ask late."""
-    late = ROOT / "policies" / "checks" / "run.py"
-    guilty = [
-        f"{name_of(path)}:{line}"
+def test_imports_inside_the_package_are_relative() -> None:
+    """Rooms never import the package by name, so that every tool resolves it by path."""
+    assert [
+        f"{name_of(path)}:{line}: {name}"
         for path in PACKAGE
-        if path.parts[len(ROOT.parts)] != "testing" and path != late
-        for _, name, line in imports_of(path)
-        if name.split(".")[0] in {"pytest", "hypothesis"}
-    ]
-    assert guilty == []
+        if path.parts[len(ROOT.parts)] != "lodbench"
+        for level, name, line in imports_of(path)
+        if level == 0 and name.split(".")[0] in {"lodbench", *ROOMS}
+    ] == []
+
+
+def test_tests_import_as_users_do() -> None:
+    """Tests name ``lodbench.models``, never a bare ``models`` or a relative path."""
+    assert [
+        f"{name_of(path)}:{line}: {name}"
+        for path in TESTS
+        for level, name, line in imports_of(path)
+        if level or name.split(".")[0] in ROOMS
+    ] == []
+
+
+def test_files_stay_short() -> None:
+    """No file of the package is longer than 360 lines, and none of the tests than 400."""
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in PACKAGE + TESTS}
+    assert [
+        f"{name_of(path)}: {length} lines"
+        for path, length in lengths.items()
+        if length > (400 if path in TESTS else 360)
+    ] == []
 
 
 def test_no_import_of_the_package_asks_for_pandas_or_simpy() -> None:
@@ -166,12 +171,12 @@ print(code, *(name for name in {HEAVY!r} if name in sys.modules), file=sys.stder
     assert run.stderr.split() == ["0"]
 
 
-@pytest.mark.parametrize("library", ["trimesh", "casadi", "emcee", "plotly", "pyarrow", "scipy"])
-def test_heavy_libraries_stay_out_of_package_imports(library: str) -> None:
-    """Importing a subpackage, which a command does on its way, loads no heavy library."""
-    packages = ["lodbench", *(f"lodbench.{folder}" for folder in BELOW)]
-    script = f"import sys, {', '.join(packages)}; print({library!r} in sys.modules)"
-    assert run_python(script).stdout.strip() == "False"
+def test_heavy_libraries_stay_out_of_package_imports() -> None:
+    """Importing the rooms, which a command does on its way, loads no heavy library but numpy."""
+    heavy = set(HEAVY) - {"numpy"}
+    packages = ["lodbench", *(f"lodbench.{room}" for room in ROOMS)]
+    script = f"import sys, {', '.join(packages)}; print(*{heavy!r} & set(sys.modules))"
+    assert run_python(script).stdout.split() == []
 
 
 def test_every_folder_with_code_is_packaged() -> None:
@@ -182,23 +187,13 @@ def test_every_folder_with_code_is_packaged() -> None:
     assert sorted(listed) == sorted(folders)
 
 
-@pytest.mark.parametrize("path", [*PACKAGE, *TESTS], ids=name_of)
-def test_files_stay_short(path: Path) -> None:
-    """No file is longer than 400 lines."""
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
-
-
-def test_no_file_names_a_place_on_a_machine() -> None:
+def test_no_file_names_a_place_on_a_machine(tracked_files: list[str]) -> None:
     """No committed text holds an absolute path of somebody's home or checkout."""
-    listed = subprocess.run(
-        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
     place = re.compile(rb"(?<![\w.~$}])/(?:home|root|Users|work|farm|mnt)/\w")
     guilty = [
-        f"{name}: {found.group().decode()}"
-        for name in filter(None, listed.stdout.split("\0"))
-        if (ROOT / name).is_file()
-        for found in [place.search((ROOT / name).read_bytes())]
-        if found
+        f"{name}: {match.group().decode()}"
+        for name in tracked_files
+        for match in [place.search((ROOT / name).read_bytes())]
+        if match
     ]
     assert guilty == []

@@ -15,32 +15,19 @@ ROOT = Path(__file__).parents[1]
 ROOMS = ("base", "models", "traces", "policies", "sim", "render", "analysis", "testing", "cli")
 
 
-def tracked_files() -> list[str]:
-    """Files of the work tree that git tracks or would track, which is what a clone holds."""
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    names = filter(None, listed.stdout.split("\0"))
-    return sorted(name for name in names if (ROOT / name).is_file())
-
-
-def package_files() -> set[str]:
-    """Tracked files that belong to the package, under the name they have in a wheel."""
-    names = tracked_files()
-    rooms = tuple(f"{room}/" for room in ROOMS)
-    door = {name for name in names if name.startswith("lodbench/")}
-    return door | {f"lodbench/{name}" for name in names if name.startswith(rooms)}
+@pytest.fixture(scope="module")
+def package_files(tracked_files: list[str]) -> set[str]:
+    """Tracked files that belong to the package, under the name that they have in a wheel."""
+    folders = {name: name.split("/")[0] for name in tracked_files}
+    rooms = {f"lodbench/{name}" for name, folder in folders.items() if folder in ROOMS}
+    return rooms | {name for name, folder in folders.items() if folder == "lodbench"}
 
 
 @pytest.fixture(scope="module")
-def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def dist(tmp_path_factory: pytest.TempPathFactory, tracked_files: list[str]) -> Path:
     """Build the sdist from a clean copy of the checkout, and the wheel from the sdist."""
     clone = tmp_path_factory.mktemp("clone with a space")
-    for name in tracked_files():
+    for name in tracked_files:
         target = clone / name
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, target)
@@ -57,10 +44,12 @@ def wheel(dist: Path) -> zipfile.ZipFile:
     return zipfile.ZipFile(dist / f"lodbench-{lodbench.__version__}-py3-none-any.whl")
 
 
-def test_wheel_holds_the_package_and_nothing_else(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_the_package_and_nothing_else(
+    wheel: zipfile.ZipFile, package_files: set[str]
+) -> None:
     """Every tracked file of the package is in the wheel, and no test, document or stray folder."""
     shipped = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    assert shipped == package_files()
+    assert shipped == package_files
 
 
 def test_wheel_describes_itself(wheel: zipfile.ZipFile) -> None:
@@ -75,10 +64,12 @@ def test_wheel_describes_itself(wheel: zipfile.ZipFile) -> None:
         assert f"Requires-Dist: {unwanted}" not in metadata
 
 
-def test_sdist_holds_the_package(dist: Path) -> None:
+def test_sdist_holds_the_package(
+    dist: Path, tracked_files: list[str], package_files: set[str]
+) -> None:
     """The sdist holds every file of the package; the wheel above was built from it alone."""
     base = f"lodbench-{lodbench.__version__}"
     with tarfile.open(dist / f"{base}.tar.gz") as archive:
         names = {name.removeprefix(f"{base}/") for name in archive.getnames()}
-    door = {name for name in tracked_files() if name.startswith("lodbench/")}
-    assert door | {name.removeprefix("lodbench/") for name in package_files() - door} <= names
+    sources = package_files | {name.removeprefix("lodbench/") for name in package_files}
+    assert sources & set(tracked_files) <= names

@@ -5,14 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, Truth
 from ..selection import Selection
 from ..shared.choices import LevelChoices, Offer, importance
 from ..solvers.knapsack import affordable, hull_increments, take_increments
-from ..solvers.smooth_choice import SmoothChoice
 from ..view import View
 
 
@@ -69,7 +68,7 @@ class Oracle:
         budget_ms = self._budget_ms / self._truth.gpu_factor - offer.fixed_ms
         soft = view.scene.continuous[view.ids]
         if soft.any():
-            best, _ = smooth_choice(offer, soft).within(budget_ms)
+            best, _ = offer.smooth(soft).within(budget_ms)
             return Selection(view.ids, self._choices.between(view, best.column, best.share))
         increments = hull_increments(affordable(offer.cost_ms, budget_ms), offer.benefit)
         column = take_increments(increments, budget_ms, skip_misfits=True).column
@@ -102,8 +101,3 @@ def exact_choice(offer: Offer, budget_ms: float, known: IntArray) -> IntArray:
     chosen: FloatArray = np.asarray(solution.x, dtype=np.float64)
     best[row[chosen > 0.5]] = column[chosen > 0.5]
     return best
-
-
-def smooth_choice(offer: Offer, soft: BoolArray) -> SmoothChoice:
-    """Return the choice of levels and, for the `soft` rows, resolutions that an offer leaves."""
-    return SmoothChoice(offer.cost_ms, offer.benefit, offer.samples, offer.size, soft)

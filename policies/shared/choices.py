@@ -19,6 +19,7 @@ from ...models.machine.cost import CostModel
 from ...models.scene.benefit import BASE_ERROR, level_primitives
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
+from ..solvers.smooth_choice import SmoothChoice
 from ..view import View
 
 
@@ -48,6 +49,10 @@ class Offer:
     objects: IntArray
     size: FloatArray
     samples: FloatArray
+
+    def smooth(self, soft: BoolArray) -> SmoothChoice:
+        """Return the choice of levels and, for the `soft` rows, resolutions."""
+        return SmoothChoice(self.cost_ms, self.benefit, self.samples, self.size, soft)
 
 
 class Choices(Protocol):

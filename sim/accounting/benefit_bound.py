@@ -4,7 +4,6 @@ import math
 
 from ...models.machine.cost import CostModel
 from ...models.scene.scene import Scene
-from ...policies.bounds.oracle import smooth_choice
 from ...policies.shared.choices import LevelChoices, importance
 from ...policies.solvers.knapsack import hull_increments, relaxed_bound
 from ...policies.view import View
@@ -33,5 +32,5 @@ class BenefitBound:
         budget_ms = gpu_ms * (1.0 + 1e-12) - offer.fixed_ms
         soft = view.scene.continuous[view.ids]
         if soft.any():
-            return smooth_choice(offer, soft).within(budget_ms)[1]
+            return offer.smooth(soft).within(budget_ms)[1]
         return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), budget_ms)

@@ -121,10 +121,10 @@ def fitted_machine(machine: HardwareProfile) -> HardwareProfile:
     return replace(machine, posterior=Posterior(np.ones(6), linear, np.full(6, 0.02)))
 
 
-@pytest.fixture
-def bad_policies(tmp_path: Path) -> Path:
+@pytest.fixture(scope="session")
+def bad_policies(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a user's file with policies that break the contract or are out of the ordinary."""
-    path = tmp_path / "mine.py"
+    path = tmp_path_factory.mktemp("policies") / "mine.py"
     path.write_text(BAD_POLICIES, encoding="utf-8")
     return path
 

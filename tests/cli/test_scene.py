@@ -59,7 +59,8 @@ def test_same_seed_same_bytes(meshes: list[str], tmp_path: Path) -> None:
         folder = tmp_path / name
         folder.mkdir()
         out = folder / "scene.lodscene"
-        assert run(["scene", "build", *meshes, "--out", str(out), "--seed", seed]) == 0
+        options = ["--seed", seed, "--levels", "2", "--count", "20"]
+        assert run(["scene", "build", *meshes, "--out", str(out), *options]) == 0
         files.append(out.read_bytes())
     assert files[0] == files[1] != files[2]
 
@@ -210,7 +211,8 @@ def test_info_draws_a_picture(
 ) -> None:
     """A PNG of the frame beside the numbers; a wrong name, frame or policy is refused in a line."""
     scene, picture = str(tmp_path / "two.lodscene"), tmp_path / "two.png"
-    assert run(["scene", "build", *meshes, "--out", scene, "--count", "20"]) == 0
+    options = ["--count", "20", "--levels", "2"]
+    assert run(["scene", "build", *meshes, "--out", scene, *options]) == 0
     capsys.readouterr()
     options = ["--picture", str(picture), "--frame", "3", "--policy", "full"]
     assert run(["scene", "info", scene, *options, "--json"]) == 0

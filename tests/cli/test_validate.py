@@ -14,8 +14,8 @@ pytestmark = pytest.mark.usefixtures("egl")
 
 POLICIES = ["--policy", "full", "--policy", "feedback:gain=0.3"]
 QUICK = [
-    *("--scene", "plaza", "--trace", "drive", "--seconds", "0.6", "--size", "96x54"),
-    *("--budget-ms", "4", "--warmup", "5", "--draws", "2", "--resamples", "10", "--workers", "1"),
+    *("--scene", "plaza", "--trace", "drive", "--seconds", "0.15", "--size", "96x54"),
+    *("--budget-ms", "4", "--warmup", "5", "--draws", "1", "--resamples", "10", "--workers", "1"),
     *POLICIES,
 ]
 
@@ -72,7 +72,7 @@ def test_recordings_of_something_else_are_refused(
     for option, value, message in (
         ("--budget-ms", "9", "expected a recording with budget_ms 9, got 4; record again"),
         ("--size", "48x48", "expected a recording with resolution 48x48, got 96x54"),
-        ("--seconds", "0.9", "expected a recording with trace_s 0.9, got 0.6"),
+        ("--seconds", "0.9", "expected a recording with trace_s 0.9, got 0.15"),
         ("--policy", "lodmanager", "expected a recording of lodmanager, got none"),
     ):
         other = [*QUICK, "--recorded", str(recorded), option, value]

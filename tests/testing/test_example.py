@@ -31,22 +31,15 @@ def run_in(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture(scope="module")
-def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def project(tmp_path_factory: pytest.TempPathFactory, tracked_files: list[str]) -> Path:
     """Return a copy of the example beside a fresh environment with the built wheel.
 
     The dependencies are those of this interpreter, by a .pth file; lodbench itself is only there
     as the wheel.
     """
     base = tmp_path_factory.mktemp("team")
-    tracked = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    for name in filter(None, tracked.split("\0")):
-        if (ROOT / name).is_file() and not name.startswith(("tests/", "docs/")):
+    for name in tracked_files:
+        if not name.startswith(("tests/", "docs/")):
             (base / "clone" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, base / "clone" / name)
     python = sys.executable

@@ -54,7 +54,7 @@ class Page(HTMLParser):
             self.text += data
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def results(
     small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
 ) -> Results:

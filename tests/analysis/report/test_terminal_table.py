@@ -20,7 +20,7 @@ from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def comparison(
     small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
 ) -> Comparison:

@@ -65,7 +65,7 @@ def test_search_finds_worse_than_a_path_at_rest(
         OPTIONS,
         kind,
         LIMITS,
-        evaluations=40,
+        evaluations=20,
         progress=lambda done, total: calls.append((done, total)),
     )
     away = path_of(np.array([0.0, 0.5, 0.5, *(0.0,) * 4, *(0.5,) * 4]), small_scene, LIMITS)
@@ -74,7 +74,7 @@ def test_search_finds_worse_than_a_path_at_rest(
     again = measure_badness(spec, small_scene, found.trace, machine, OPTIONS, kind)
     assert again == found.value
     assert [done for done, _ in calls] == list(range(1, found.evaluations + 1))
-    assert found.evaluations <= 40
+    assert found.evaluations <= 20
 
 
 def test_the_same_search_finds_the_same_path(small_scene: Scene, machine: HardwareProfile) -> None:
@@ -87,7 +87,7 @@ def test_the_same_search_finds_the_same_path(small_scene: Scene, machine: Hardwa
             ReplayOptions(budget_ms=8.0, seed=seed),
             "overshoot",
             LIMITS,
-            evaluations=12,
+            evaluations=8,
         ).trace.position_m
         for seed in (1, 1, 2)
     ]
