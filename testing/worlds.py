@@ -67,9 +67,8 @@ def _examples(
     scene: Scene = draw(_scenes(capabilities))
     # Never a sum of costs, so that the order of additions decides nothing.
     share = (draw(st.integers(0, 20)) + 1.0 / 7.0) / 16.0
-    bound = scene.with_costs(machine.gpu)
     budget_ms = machine.gpu.base_ms + share * _full_ms(scene, machine)
-    return Example(bound, draw(paths), machine, budget_ms, draw(frames))
+    return Example(scene, draw(paths), machine, budget_ms, draw(frames))
 
 
 def _full_ms(scene: Scene, machine: HardwareProfile) -> float:

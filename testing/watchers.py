@@ -1,0 +1,101 @@
+"""Watchers that change what a policy is shown, or that look at what it touches."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ..base.arrays import FloatArray
+from ..policies.frame_times import Completed
+from ..policies.protocol import Policy
+from ..policies.selection import Selection
+from ..policies.view import View
+from .example import Notes
+
+
+class Unstreamed(Notes):
+    """A policy that gets no loader, so that everything is in memory without being said to be."""
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__(policy)
+        type(self).capabilities = replace(policy.capabilities, loader=False)
+
+
+class AllResident(Unstreamed):
+    """One that is told of every node that it is in memory."""
+
+    def show(self, view: View) -> View:
+        """Return the view with the loader's record of a scene that it has read."""
+        everything = np.ones(len(view.scene), dtype=np.bool_)
+        return View(replace(view.state, residency=everything), view.ids, view.xyz_m)
+
+
+class Guarded(Notes):
+    """A policy of which is noted what of a view it changed.
+
+    Attributes
+    ----------
+    changed : list of (frame, what was changed in it)
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__(policy)
+        self.changed: list[tuple[int, str]] = []
+
+    def select(self, view: View) -> Selection:
+        """Compare the view with what it was before."""
+        before = _contents(view)
+        copies = {name: array.copy() for name, array in before.items()}
+        selection = super().select(view)
+        for name, array in _contents(view).items():
+            if not np.array_equal(array, copies[name], equal_nan=True):
+                self.changed.append((view.frame, name))
+        return selection
+
+
+def _contents(view: View) -> dict[str, np.ndarray]:
+    """Return the arrays that a view is made of."""
+    state, previous = view.state, view.previous
+    arrays = {
+        "ids": view.ids,
+        "xyz_m": view.xyz_m,
+        "centers_m": state.centers_m,
+        "last_detail": state.last_detail,
+        "inside": state.inside,
+        "completed.work_ms": state.completed.work_ms,
+        "completed.gpu_ms": state.completed.gpu_ms,
+    }
+    if previous is not None:
+        arrays |= {"previous.ids": previous.ids, "previous.detail": previous.detail}
+    return arrays
+
+
+Fault = Callable[[FloatArray], FloatArray]
+"""From the good reports, (n, 4), to what a faulty timer says of a frame after them, (k, 4)."""
+
+
+def faulty_timer(good: int, fault: Fault) -> type[Notes]:
+    """Return a watcher whose timer fails after so many good reports."""
+
+    class Faulty(Notes):
+        def show(self, view: View) -> View:
+            """Return the view with the reports of a faulty timer."""
+            true = view.completed
+            times = np.column_stack((true.cpu_ms, true.gpu_ms, true.work_ms, true.present_ms))
+            # The last digits of a timer that works never stand still.
+            known = times[:good] * (1.0 + 1e-6 * (np.arange(len(times[:good])) % 7))[:, np.newaxis]
+            rows = np.concatenate((known, *[fault(known)] * (len(times) - len(known))))
+            state = replace(view.state, completed=Completed(rows, len(rows)))
+            return View(state, view.ids, view.xyz_m)
+
+    return Faulty
+
+
+SILENT: Fault = lambda _good: np.zeros((0, 4))  # noqa: E731 - one of a row with the three below
+"""No reports any more: what faulty ones may be no better than."""
+
+FAULTS: dict[str, Fault] = {
+    "missing": lambda _good: np.full((1, 4), np.nan),
+    "zero": lambda _good: np.zeros((1, 4)),
+    "stale": lambda good: good[-1:] if len(good) else np.zeros((1, 4)),
+}
