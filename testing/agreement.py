@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError
-from ..policies.protocol import Policy
 from ..policies.registry import parameters, parse_policy
 from ..policies.selection import Selection
 from .example import Example, Factory, Frame, play_fresh
@@ -118,14 +117,7 @@ def reset_forgets(factory: Factory, pair: tuple[Example, Example], _rest: int) -
 @promise(walks(TIGHT))
 def leaves_the_view_alone(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Nothing of the view is written to, the policy's own previous selection included."""
-    changed: list[tuple[int, str]] = []
-
-    class Reporting(Guarded):
-        def __init__(self, policy: Policy) -> None:
-            super().__init__(policy)
-            self.changed = changed
-
-    example.play(factory(), Reporting)
+    changed = example.play(factory(), Guarded).notes.changed
     if not changed:
         return None
     frame, name = changed[0]
@@ -169,7 +161,7 @@ def _renamed(frame: Frame, names: np.ndarray) -> Frame:
 def pickles(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Sent to another process, a policy decides like one that has not been."""
     try:
-        sent: Policy = pickle.loads(pickle.dumps(factory()))  # noqa: S301 - just made
+        sent: Any = pickle.loads(pickle.dumps(factory()))  # noqa: S301 - just made
     except Exception as error:  # noqa: BLE001 - a user's class may raise anything
         return Failure(f"{type(error).__name__}: {error}", cause=error)
     here, there = play_fresh(factory, example), example.play(sent)
@@ -204,10 +196,9 @@ def parameters_round_trip(factory: Factory, _example: object, _rest: int) -> Fai
     return None
 
 
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        return np.array_equal(one, other)
-    return type(one) is type(other) and bool(one == other)
+def _same(one: object, other: object) -> bool:
+    """Return whether two values are equal, arrays by what they hold."""
+    return type(one) is type(other) and np.array_equal(np.asarray(one), np.asarray(other))
 
 
 def _spec(cls: type[Any], given: dict[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -42,30 +43,6 @@ class Frame:
         return replace(self.selection, ids=ids[order], detail=self.selection.detail[order])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Played:
-    """A replay of an example: its log, and its frames as the policy met them."""
-
-    log: FrameLog
-    frames: list[Frame]
-
-    def last_change(self) -> int:
-        """Return the last frame in which the camera stood elsewhere than in the one before.
-
-        Or in which other nodes were in memory: what arrives from the disk is a change too.
-        """
-        for at in range(len(self.frames) - 1, 0, -1):
-            now, before = self.frames[at], self.frames[at - 1]
-            resident = now.view.state.residency, before.view.state.residency
-            if now.pose != before.pose or not _same_memory(*resident):
-                return at
-        return 0
-
-
-def _same_memory(one: BoolArray | None, other: BoolArray | None) -> bool:
-    return one is None or other is None or bool((one == other).all())
-
-
 class Notes(Watched):
     """A policy whose frames are kept."""
 
@@ -95,6 +72,38 @@ class Notes(Watched):
         return selection
 
 
+Kind = TypeVar("Kind", bound=Notes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played(Generic[Kind]):
+    """A replay of an example: its log, and what was noted of the policy."""
+
+    log: FrameLog
+    notes: Kind
+
+    @property
+    def frames(self) -> list[Frame]:
+        """Return the frames as the policy met them."""
+        return self.notes.frames
+
+    def last_change(self) -> int:
+        """Return the last frame in which the camera stood elsewhere than in the one before.
+
+        Or in which other nodes were in memory: what arrives from the disk is a change too.
+        """
+        for at in range(len(self.frames) - 1, 0, -1):
+            now, before = self.frames[at], self.frames[at - 1]
+            resident = now.view.state.residency, before.view.state.residency
+            if now.pose != before.pose or not _same_memory(*resident):
+                return at
+        return 0
+
+
+def _same_memory(one: BoolArray | None, other: BoolArray | None) -> bool:
+    return one is None or other is None or bool((one == other).all())
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
     """A world without noise, a budget and a number of frames."""
@@ -112,19 +121,19 @@ class Example:
             f"{len(self.scene)} {objects}, {self.frames} {frames}, budget {self.budget_ms:.4g} ms"
         )
 
-    def play(self, policy: Policy, notes: type[Notes] = Notes) -> Played:
-        """Replay the example under a policy, of which `notes` are taken.
+    def play(self, policy: Policy, kind: type[Kind] = Notes) -> Played[Kind]:
+        """Replay the example under a policy, of which notes are taken.
 
         Raises `PolicyError` if the policy breaks its contract.
         """
-        watched = watch(policy, notes)
+        notes = watch(policy, kind)
         options = ReplayOptions(budget_ms=self.budget_ms, frames=self.frames)
         name = type(policy).__name__
-        log = replay(watched, self.scene, self.trace, self.hardware, options, name=name)
-        return Played(log, watched.frames)
+        log = replay(notes, self.scene, self.trace, self.hardware, options, name=name)
+        return Played(log, notes)
 
 
 @lru_cache(maxsize=64)
-def play_fresh(factory: Factory, example: Example) -> Played:
+def play_fresh(factory: Factory, example: Example) -> Played[Notes]:
     """Replay an example under a new policy, or return what an earlier promise saw of it."""
     return example.play(factory())

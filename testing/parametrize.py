@@ -2,13 +2,18 @@
 
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
 from .example import Factory
 from .promise import Promise
 from .promises import CHECKS
+
+if TYPE_CHECKING:  # needs hypothesis, which checks do without
+    from .property import Property
+
+Kind = TypeVar("Kind", bound=Promise)
 
 
 def parametrize_with_checks(factories: Iterable[Factory]) -> Any:
@@ -28,7 +33,7 @@ def parametrize_with_checks(factories: Iterable[Factory]) -> Any:
 def parametrize_with_properties(
     factories: Iterable[Factory],
     *,
-    properties: Iterable[Promise] | None = None,
+    properties: "Iterable[Property] | None" = None,
     examples: int = 100,
 ) -> Any:
     """Return a decorator that makes one test of each policy and property, all by default.
@@ -47,7 +52,7 @@ def parametrize_with_properties(
     return pytest.mark.parametrize(("policy_factory", "check_property"), pairs)
 
 
-def _applying(factory: Factory, promises: Iterable[Promise]) -> Iterable[Promise]:
+def _applying(factory: Factory, promises: Iterable[Kind]) -> Iterable[Kind]:
     """Return the promises that apply; all if no policy can be made, so that the tests say why."""
     try:
         policy = factory()

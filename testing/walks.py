@@ -75,22 +75,17 @@ def unpaced(policy: Policy, _rest: int) -> Iterator[Example]:
 
 def resting(policy: Policy, rest: int) -> Iterator[Example]:
     """Yield examples in which nothing moves."""
-    frames = rest + _at_rest(rest) + 1
     for place in fitting(policy.capabilities):
-        yield example_at(place, 0.5, (SIGHT,), frames=frames)
+        yield example_at(place, 0.5, (SIGHT,), frames=rest + 10)
 
 
 def stepping(policy: Policy, rest: int) -> Iterator[Example]:
     """Yield examples that end with a cut, after which nothing moves."""
     walk = (*WALK[6:9], SIGHT)
-    frames = len(walk) + rest + _at_rest(rest) + 3
+    frames = len(walk) + rest + max(_REST, min(rest, 5 * _REST)) + 3
     for place in fitting(policy.capabilities):
         for share in (0.15, 0.5):
             yield example_at(place, share, walk, frames=frames)
-
-
-def _at_rest(rest: int) -> int:
-    return max(_REST, min(rest, 5 * _REST))
 
 
 def growing(policy: Policy, _rest: int) -> Iterator[tuple[Example, Example]]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -70,31 +71,67 @@ def _contents(view: View) -> dict[str, np.ndarray]:
     return arrays
 
 
+class _Reports(Completed):
+    """Reports of a timer that know whether anything was asked of them."""
+
+    __slots__ = ("asked",)
+
+    def __init__(self, times: FloatArray) -> None:
+        super().__init__(times, len(times))
+        object.__setattr__(self, "asked", False)
+
+    def __getattribute__(self, name: str) -> Any:
+        """Note that something is asked."""
+        object.__setattr__(self, "asked", True)
+        return super().__getattribute__(name)
+
+    def __len__(self) -> int:
+        """Return the number of reports, which is to ask something too."""
+        return len(self.frame)
+
+
+class FaultyTimer(Notes):
+    """A policy that is shown reports by a faulty timer instead of the true ones."""
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__(policy)
+        self._shown: list[_Reports] = []
+
+    @staticmethod
+    def reports(true: FloatArray) -> FloatArray:
+        """Return what the timer says of frames that took (n, 4) milliseconds, (k, 4)."""
+        return true
+
+    def show(self, view: View) -> View:
+        """Return the view with the reports of the faulty timer."""
+        true = view.completed
+        times = np.column_stack((true.cpu_ms, true.gpu_ms, true.work_ms, true.present_ms))
+        rows = self.reports(times)
+        self._shown.append(_Reports(rows))
+        return View(replace(view.state, completed=self._shown[-1]), view.ids, view.xyz_m)
+
+    def looks_at_timings(self) -> bool:
+        """Return whether the policy has asked for any report."""
+        return any(object.__getattribute__(shown, "asked") for shown in self._shown)
+
+
 Fault = Callable[[FloatArray], FloatArray]
 """From the good reports, (n, 4), to what a faulty timer says of a frame after them, (k, 4)."""
 
 
-def faulty_timer(good: int, fault: Fault) -> type[Notes]:
-    """Return a watcher whose timer fails after so many good reports."""
+def faulty_timer(good: int, fault: Fault) -> type[FaultyTimer]:
+    """Return the watcher whose timer fails after so many good reports."""
 
-    class Faulty(Notes):
-        def show(self, view: View) -> View:
-            """Return the view with the reports of a faulty timer."""
-            true = view.completed
-            times = np.column_stack((true.cpu_ms, true.gpu_ms, true.work_ms, true.present_ms))
-            # The last digits of a timer that works never stand still.
-            known = times[:good] * (1.0 + 1e-6 * (np.arange(len(times[:good])) % 7))[:, np.newaxis]
-            rows = np.concatenate((known, *[fault(known)] * (len(times) - len(known))))
-            state = replace(view.state, completed=Completed(rows, len(rows)))
-            return View(state, view.ids, view.xyz_m)
+    def reports(true: FloatArray) -> FloatArray:
+        # The last digits of a timer that works never stand still.
+        known = true[:good] * (1.0 + 1e-6 * (np.arange(len(true[:good])) % 7))[:, np.newaxis]
+        return np.concatenate((known, *[fault(known)] * (len(true) - len(known))))
 
-    return Faulty
+    return type("Faulty", (FaultyTimer,), {"reports": staticmethod(reports)})
 
-
-SILENT: Fault = lambda _good: np.zeros((0, 4))  # noqa: E731 - one of a row with the three below
-"""No reports any more: what faulty ones may be no better than."""
 
 FAULTS: dict[str, Fault] = {
+    "silent": lambda _good: np.zeros((0, 4)),  # what the others may be no better than
     "missing": lambda _good: np.full((1, 4), np.nan),
     "zero": lambda _good: np.zeros((1, 4)),
     "stale": lambda good: good[-1:] if len(good) else np.zeros((1, 4)),

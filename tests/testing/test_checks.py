@@ -262,6 +262,14 @@ class WithoutHysteresis(Sound):
     claims: ClassVar[Claims] = Claims(hysteresis=True)
 
 
+@dataclass
+class HoldsArrays(Sound):
+    """Sound, with an array that is given and one that it makes for itself."""
+
+    near_m: Any = field(default_factory=lambda: np.array([1.0, 2.0]))
+    shares: Any = field(init=False, repr=False, default_factory=lambda: np.ones(2))
+
+
 class FitsNothing(Sound):
     """Selects neither levels nor resolutions nor fronts."""
 
@@ -361,6 +369,25 @@ def test_a_policy_that_cannot_be_made_fails_every_check() -> None:
     results = check_policy(refuse)
     assert not any(result.passed for result in results)
     assert all("TypeError: no such" in result.message for result in results)
+
+
+def test_arrays_are_parameters_too() -> None:
+    """Arrays are compared by what they hold, and an array of the policy's own is no parameter."""
+    assert [result for result in check_policy(HoldsArrays) if not result.passed] == []
+
+
+def test_messages_name_the_line() -> None:
+    """The line that raised, in the policy's own file, or else that of the class."""
+    source = Path(__file__).read_text(encoding="utf-8").splitlines()
+    for policy, line in (
+        (NeedsObjects, "        nearest_m = view.distance_m.min()"),
+        (NotANumber, "class NotANumber(Sound):"),
+    ):
+        results = {result.name: result for result in check_policy(policy)}
+        name = "empty_frames" if policy is NeedsObjects else "valid_selections"
+        file, number, _ = results[name].message.split(":", 2)
+        assert Path(file).resolve() == Path(__file__).resolve()
+        assert source[int(number) - 1] == line
 
 
 def test_a_policy_that_fits_no_scene_is_skipped() -> None:
