@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .budget import FrameBudget, assert_budget
-    from .contract import CheckResult, check_policy
+    from .contract import CHECKS, CheckResult, check_policy
     from .parametrize import parametrize_with_checks, parametrize_with_properties
     from .promise import CheckError, Promise
-    from .promises import CHECKS
     from .properties import (
         PROPERTIES,
         budget_is_kept,
@@ -54,10 +53,9 @@ __all__ = [
 
 _MODULES = {
     "budget": ("FrameBudget", "assert_budget"),
-    "contract": ("CheckResult", "check_policy"),
+    "contract": ("CHECKS", "CheckResult", "check_policy"),
     "parametrize": ("parametrize_with_checks", "parametrize_with_properties"),
     "promise": ("CheckError", "Promise"),
-    "promises": ("CHECKS",),
     "property": ("Property", "PropertyFailedError"),
     "strategies": ("hardware_profiles", "scenes", "traces", "views"),
 }

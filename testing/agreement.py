@@ -14,7 +14,7 @@ from .example import Example, Factory, Frame, play_fresh
 from .fixed_examples import NEXT_TO_NOTHING, PLENTY, TIGHT
 from .promise import Failure, promise
 from .small_scenes import renumbered
-from .walks import EMPTY_WALK, LONE_WALK, after_another, one_walk, shuffled, streamed, walks
+from .walks import EMPTY_WALK, LONE_WALK, after_another, first_walk, shuffled, walks
 from .watchers import AllResident, Guarded, Unstreamed
 
 SAME_DETAIL = 1e-6
@@ -88,7 +88,7 @@ def next_to_no_budget(factory: Factory, example: Example, _rest: int) -> None:
     play_fresh(factory, example)
 
 
-@promise(streamed, needs_loader=True)
+@promise(walks(PLENTY, memory_share=0.4), needs_loader=True)
 def draws_what_is_resident(factory: Factory, example: Example, _rest: int) -> None:
     """Nothing is drawn whose data are not in memory, by a policy that needs a loader."""
     play_fresh(factory, example)
@@ -157,7 +157,7 @@ def _renamed(frame: Frame, names: np.ndarray) -> Frame:
     return Frame(seen, replace(drawn, ids=names[drawn.ids]))
 
 
-@promise(one_walk)
+@promise(first_walk)
 def pickles(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Sent to another process, a policy decides like one that has not been."""
     try:

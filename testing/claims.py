@@ -6,13 +6,15 @@ from itertools import groupby
 import numpy as np
 
 from ..base.arrays import FloatArray
+from ..models.machine.cost import CostModel
 from ..models.machine.hardware import Display, HardwareProfile
 from ..models.scene.tree import Tree
+from ..sim.accounting.accounting import Accounting
 from .agreement import SAME_DETAIL, difference
-from .coarsest import least_ms
 from .example import Example, Factory, Frame, play_fresh
+from .fixed_examples import SIGHT, coarsest
 from .promise import Failure, promise
-from .walks import BACK_AND_FORTH, BUDGETS, growing, resting, slow_frames, stepping, unpaced, walks
+from .walks import BACK_AND_FORTH, BUDGETS, CUT, growing, long_rest, slow_frames, walks
 from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
@@ -27,7 +29,7 @@ def budget_is_kept(factory: Factory, example: Example, _rest: int) -> Failure | 
     """
     played = play_fresh(factory, example)
     spent, predicted = played.log["model_gpu_ms"], played.log["predicted_gpu_ms"]
-    least = least_ms(played.frames, example.hardware.gpu) * (1.0 + _ROUNDING)
+    least = _least_ms(played.frames, example.hardware.gpu) * (1.0 + _ROUNDING)
     allowed = np.maximum(example.budget_ms * (1.0 + _ROUNDING), least)
     over = np.flatnonzero((spent > allowed) | ((predicted > allowed) & (spent > least)))
     if not len(over):
@@ -40,12 +42,12 @@ def budget_is_kept(factory: Factory, example: Example, _rest: int) -> Failure | 
     )
 
 
-@promise(unpaced, "budget")
+@promise(walks(*BUDGETS, poses=(SIGHT,), mode="immediate"), "budget")
 def lag_is_bounded(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """No frame is shown later than the frames in flight allow when each keeps the budget."""
     played = play_fresh(factory, example)
     log, machine = played.log, example.hardware
-    least = least_ms(played.frames, machine.gpu).max(initial=0.0)
+    least = _least_ms(played.frames, machine.gpu).max(initial=0.0)
     longest_ms = max(example.budget_ms, least, float(log["cpu_ms"].max()))
     bound_ms = _frames_ahead(machine) * (longest_ms + _refresh_ms(machine.display))
     shown = log["display_ns"] >= 0
@@ -59,6 +61,16 @@ def lag_is_bounded(factory: Factory, example: Example, _rest: int) -> Failure | 
         f"would be {bound_ms:.4g} ms at most",
         (("example", example),),
     )
+
+
+def _least_ms(frames: list[Frame], costs: CostModel) -> np.ndarray:
+    """Return the noise-free GPU time of the coarsest selection of each frame, (n,)."""
+    if not frames:
+        return np.zeros(0)
+    first = frames[0].view
+    accounting = Accounting(first.scene, costs, 0, first.camera)
+    tallies = [accounting.tally(0, accounting.drawn(coarsest(f.view), f.view)) for f in frames]
+    return np.array([tally.gpu_ms for tally in tallies])
 
 
 def _frames_ahead(machine: HardwareProfile) -> int:
@@ -77,13 +89,13 @@ def _refresh_ms(display: Display) -> float:
     return 1e3 / (display.vrr_min_hz if display.mode == "vrr" else display.refresh_hz)
 
 
-@promise(resting, "settles_frames")
+@promise(walks(0.5, poses=(SIGHT,), frames=lambda rest: rest + 10), "settles_frames")
 def nothing_toggles_at_rest(factory: Factory, example: Example, rest: int) -> Failure | None:
     """Where nothing moves nothing changes, once the policy has had its frames to come to rest."""
     return _last_change(factory, example, rest)
 
 
-@promise(stepping, "settles_frames")
+@promise(walks(0.15, 0.5, poses=CUT, frames=long_rest), "settles_frames")
 def load_steps_settle(factory: Factory, example: Example, rest: int) -> Failure | None:
     """After a cut to the whole scene the policy comes to rest in its frames."""
     return _last_change(factory, example, rest)

@@ -13,12 +13,13 @@ import numpy as np
 
 from ..models.machine.cost import CostModel, CpuCostModel
 from ..models.machine.hardware import Display, DisplayMode, HardwareProfile, Provenance
+from ..models.scene.benefit import level_primitives
 from ..models.scene.scene import Scene
 from ..policies.protocol import Capabilities, Policy, why_not_applicable
 from ..policies.selection import Selection
 from ..policies.view import View
 from ..traces.cameras.camera_trace import CameraTrace, Pose
-from .coarsest import coarsest
+from ..traces.cameras.orientation import look_along
 from .example import Example
 from .small_scenes import lone_object, small_scenes
 
@@ -44,10 +45,8 @@ _LEAD = _IN_FLIGHT + 1  # frames that begin at once, before the screen sets the 
 
 def pose_at(along_m: float, *, turned_deg: float = 0.0) -> Pose:
     """Return a level pose on the scenes' axis, looking along +y or turned to the left."""
-    half = math.radians(turned_deg) / 2.0
-    tilt = math.sqrt(0.5)  # a quarter turn about x: from looking down to looking ahead
-    turn = (tilt * math.cos(half), tilt * math.sin(half), tilt * math.sin(half))
-    return Pose((0.0, along_m, 0.0), (*turn, tilt * math.cos(half)))
+    turn = look_along(math.radians(90.0 + turned_deg), 0.0).tolist()
+    return Pose((0.0, along_m, 0.0), tuple(turn))
 
 
 SIGHT, AWAY = pose_at(2.0), pose_at(-20.0, turned_deg=180.0)
@@ -165,3 +164,21 @@ class _Coarsest(Policy):
     def select(self, view: View) -> Selection:
         """Return the coarsest selection."""
         return coarsest(view)
+
+
+def coarsest(view: View) -> Selection:
+    """Return the least that a view can be drawn with: roots, or what an empty root stands above."""
+    scene = view.scene
+    levels = scene.types.levels
+    empty = level_primitives(levels)[levels.start[:-1]][scene.type_index] == 0.0
+    empty &= np.diff(scene.child_start) > 0
+    front = view.ids
+    while empty[front].any():
+        below = [scene.children(node) for node in front[empty[front]].tolist()]
+        front = np.concatenate((front[~empty[front]], *below)).astype(np.int32)
+    front = front[view.state.inside[front]]
+    kind = scene.type_index[front]
+    coarse = np.where(
+        levels.continuous[kind], levels.min_resolution[kind], levels.level_count[kind] - 1.0
+    )
+    return Selection(front, coarse)

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
+from .contract import CHECKS
 from .example import Factory
 from .promise import Promise
-from .promises import CHECKS
 
 if TYPE_CHECKING:  # needs hypothesis, which checks do without
     from .property import Property

@@ -12,41 +12,29 @@ from ..policies.protocol import Capabilities
 from . import agreement, claims
 from .example import Example
 from .property import Property
-from .worlds import load_steps, still_worlds, worlds
-
-
-def _moving(capabilities: Capabilities, _rest: int) -> st.SearchStrategy[Example]:
-    return worlds(capabilities)
-
-
-def _resting(capabilities: Capabilities, rest: int) -> st.SearchStrategy[Example]:
-    return still_worlds(capabilities, st.integers(rest + 2, rest + 6))
-
-
-def _stepping(capabilities: Capabilities, rest: int) -> st.SearchStrategy[Example]:
-    return load_steps(capabilities, st.integers(rest + 3, rest + 6))
+from .worlds import moving, resting, stepping
 
 
 def _growing(capabilities: Capabilities, rest: int) -> st.SearchStrategy[tuple[Example, Example]]:
     def grown(example: Example, factor: float) -> tuple[Example, Example]:
         return example, replace(example, budget_ms=factor * example.budget_ms)
 
-    worlds = still_worlds(capabilities, st.just(rest + 1))
-    return st.builds(grown, worlds, st.sampled_from((1.1, 1.5, 2.0, 4.0)))
+    still = resting(capabilities, rest, (1, 1))
+    return st.builds(grown, still, st.sampled_from((1.1, 1.5, 2.0, 4.0)))
 
 
-def _shuffled(capabilities: Capabilities, _rest: int) -> st.SearchStrategy[tuple[Example, int]]:
-    return st.tuples(worlds(capabilities), st.integers(0, 20))
+def _shuffled(capabilities: Capabilities, rest: int) -> st.SearchStrategy[tuple[Example, int]]:
+    return st.tuples(moving(capabilities, rest), st.integers(0, 20))
 
 
-def _twice(capabilities: Capabilities, _rest: int) -> st.SearchStrategy[tuple[Example, Example]]:
-    return worlds(capabilities).map(lambda example: (example, example))
+def _twice(capabilities: Capabilities, rest: int) -> st.SearchStrategy[tuple[Example, Example]]:
+    return moving(capabilities, rest).map(lambda example: (example, example))
 
 
-budget_is_kept = Property.of(claims.budget_is_kept, _moving)
-lag_is_bounded = Property.of(claims.lag_is_bounded, _moving)
-nothing_toggles_at_rest = Property.of(claims.nothing_toggles_at_rest, _resting)
-load_steps_settle = Property.of(claims.load_steps_settle, _stepping)
+budget_is_kept = Property.of(claims.budget_is_kept, moving)
+lag_is_bounded = Property.of(claims.lag_is_bounded, moving)
+nothing_toggles_at_rest = Property.of(claims.nothing_toggles_at_rest, resting)
+load_steps_settle = Property.of(claims.load_steps_settle, stepping)
 more_budget_is_never_worse = Property.of(claims.more_budget_is_never_worse, _growing)
 order_does_not_matter = Property.of(agreement.order_does_not_matter, _shuffled)
 reset_forgets = Property.of(agreement.reset_forgets, _twice)

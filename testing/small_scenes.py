@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -48,16 +49,9 @@ def renumbered(scene: Scene, seed: int) -> tuple[Scene, np.ndarray]:
 
 
 def _of_nodes(scene: Scene, nodes: np.ndarray, parent: np.ndarray) -> Scene:
-    return replace(
-        scene,
-        type_index=scene.type_index[nodes],
-        position_m=scene.position_m[nodes],
-        orientation_xyzw=scene.orientation_xyzw[nodes],
-        scale=scene.scale[nodes],
-        importance=scene.importance[nodes],
-        parent=parent,
-        additive=scene.additive[nodes],
-    )
+    names = ("type_index", "position_m", "orientation_xyzw", "scale", "importance", "additive")
+    columns: dict[str, Any] = {name: getattr(scene, name)[nodes] for name in names}
+    return replace(scene, parent=parent, **columns)
 
 
 def level_table(
@@ -127,40 +121,42 @@ def _street(name: str, chains: Sequence[Sequence[float]], continuous: Sequence[b
     )
 
 
-def _grown(roots_m: np.ndarray, depth: int, size_m: float) -> tuple[np.ndarray, ...]:
-    """Return depth, parent, position and radius of trees of four nested children a node."""
-    rng = np.random.default_rng(depth)
-    layer = np.zeros(len(roots_m), dtype=np.int64)
-    columns = [(layer, np.full(len(roots_m), -1), roots_m, np.full(len(roots_m), size_m))]
-    first = 0
-    for at in range(1, depth + 1):
-        _, _, above_m, radius_m = columns[-1]
-        parent = np.repeat(np.arange(len(above_m)), 4)
-        corner = np.tile([(-1, -1, 0), (-1, 1, 0), (1, -1, 0), (1, 1, 0)], (len(above_m), 1))
-        away = 0.4 * corner + rng.uniform(-0.02, 0.02, (len(parent), 3))
-        position_m = above_m[parent] + away * radius_m[parent, None]
-        radius_m = 0.4 * radius_m[parent]
-        columns.append((np.full(len(parent), at), parent + first, position_m, radius_m))
-        first += len(above_m)
-    return tuple(np.concatenate(column) for column in zip(*columns, strict=True))
+def trees(
+    roots_m: np.ndarray, radius_m: np.ndarray, layers: Sequence[int]
+) -> tuple[np.ndarray, ...]:
+    """Return depth, parent, position and radius of trees of four nested children a node.
+
+    A tree has as many layers below its root; no two nodes are alike.
+    """
+    position_m, radii_m, left = list(roots_m), list(radius_m), list(layers)
+    parent, depth = [-1] * len(left), [0] * len(left)
+    node = 0
+    while node < len(parent):
+        for corner in range(4 if left[node] else 0):
+            side = np.array([(corner & 1) - 0.5, (corner >> 1) - 0.5, 0.0])
+            step = 1.0 + 0.031 * corner + 0.0017 * node
+            position_m.append(position_m[node] + side * radii_m[node] * step)
+            radii_m.append(0.5 * radii_m[node] * (1.0 + 0.011 * corner))
+            parent.append(node)
+            depth.append(depth[node] + 1)
+            left.append(left[node] - 1)
+        node += 1
+    return np.array(depth), np.array(parent), np.array(position_m), np.array(radii_m)
 
 
 def _facades() -> Scene:
-    """Return trees of discrete nodes, one of which keeps its nodes beside their children."""
+    """Return trees of discrete nodes, one of which keeps its root beside the children."""
     roots_m = np.array([(-7.0, 22.0, 0.0), (8.0, 38.0, 1.0), (-3.0, 66.0, -1.0)])
-    depth, parent, position_m, radius_m = _grown(roots_m, 2, 6.0)
+    depth, parent, position_m, radius_m = trees(roots_m, np.full(3, 6.0), (2, 2, 2))
     levels = level_table(((500.0,), (300.0,), (350.0,)), (False,) * 3, (0.8, 0.3, 0.0))
-    root = parent.copy()
-    while (root >= len(roots_m)).any():
-        root = np.where(root >= len(roots_m), parent[root], root)
-    additive = (root == 1) | (np.arange(len(depth)) == 1)
+    additive = np.arange(len(depth)) == 1
     return scene_of("tree", levels, depth, position_m, radius_m, parent=parent, additive=additive)
 
 
 def _groves() -> Scene:
     """Return a tree of terrain, and one without geometry above groups of resolutions."""
     roots_m = np.array([(-6.0, 25.0, -1.0), (6.0, 30.0, 0.0)])
-    depth, parent, position_m, radius_m = _grown(roots_m, 1, 8.0)
+    depth, parent, position_m, radius_m = trees(roots_m, np.full(2, 8.0), (1, 1))
     chains = ((250.0,), (200.0,), (0.0,), (3000.0, 700.0, 60.0))
     levels = level_table(chains, (False, False, False, True), (0.5, 0.0, 0.0, 0.0, 0.05, 0.3))
     wooded = (parent == 1) | (np.arange(len(depth)) == 1)

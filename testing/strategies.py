@@ -21,7 +21,7 @@ from ..policies.frame_times import Completed
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from ..traces.cameras.orientation import look_along
-from .small_scenes import level_table, scene_of
+from .small_scenes import level_table, scene_of, trees
 
 _EYE_M = 1.65
 _LEG_S = 0.1
@@ -73,7 +73,10 @@ def scenes(
     placed: list[_Object] = draw(st.lists(_objects, min_size=1, max_size=objects))
     if hierarchy:
         layers: list[int] = [draw(st.integers(0, 2)) for _ in placed]
-        return _trees(placed, layers)
+        roots_m, radius_m = _places(placed)
+        depth, parent, position_m, scale = trees(roots_m, 4.0 * radius_m, layers)
+        levels = level_table([[600.0], [400.0], [350.0]], (False,) * 3, (0.5, 0.1, 0.0))
+        return scene_of("example", levels, depth, position_m, scale, parent=parent)
     chains: list[_Chain] = draw(st.lists(_chains, min_size=1, max_size=3))
     kind = np.array([item.kind % len(chains) for item in placed])
     soft = [continuous and chain.levels > 1 for chain in chains]
@@ -94,28 +97,6 @@ def _places(placed: Sequence[_Object]) -> tuple[np.ndarray, np.ndarray]:
         (4.0 + ahead + 0.317 * order, 0.7 * aside + 0.053 * (order + 1) ** 1.5, 1.0 + 0.07 * order)
     )
     return position_m, (0.5 + 0.25 * size) * (1.0 + 0.013 * order)
-
-
-def _trees(placed: Sequence[_Object], layers: Sequence[int]) -> Scene:
-    """Return a tree for each object: a node of layer d has four children of half its size."""
-    roots_m, radii_m = _places(placed)
-    position_m, scale = list(roots_m), list(4.0 * radii_m)
-    parent, depth = [-1] * len(placed), [0] * len(placed)
-    below = [*layers]
-    node = 0
-    while node < len(parent):
-        for corner in range(4 if below[node] else 0):
-            side = np.array([(corner & 1) - 0.5, (corner >> 1) - 0.5, 0.0])
-            step = 1.0 + 0.031 * corner + 0.0017 * node
-            position_m.append(position_m[node] + side * scale[node] * step)
-            scale.append(0.5 * scale[node] * (1.0 + 0.011 * corner))
-            parent.append(node)
-            depth.append(depth[node] + 1)
-            below.append(below[node] - 1)
-        node += 1
-    levels = level_table([[600.0], [400.0], [350.0]], (False,) * 3, (0.5, 0.1, 0.0))
-    nodes = np.array(depth), np.array(position_m), np.array(scale)
-    return scene_of("example", levels, *nodes, parent=np.array(parent))
 
 
 @st.composite

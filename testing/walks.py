@@ -1,12 +1,12 @@
 """The fixed examples of each kind of promise, in all places that a policy can drive."""
 
-from collections.abc import Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator
+from itertools import islice, pairwise
+from typing import Any
 
 import numpy as np
 
 from ..policies.protocol import Policy
-from ..traces.cameras.camera_trace import Pose
 from .example import Example
 from .fixed_examples import (
     AWAY,
@@ -22,10 +22,10 @@ from .fixed_examples import (
 from .promise import Examples
 
 BUDGETS = (NEXT_TO_NOTHING, 0.1, TIGHT, 0.8, 1.5)
+CUT = (*WALK[6:9], SIGHT)
 EMPTY_WALK = (AWAY, WALK[0], WALK[1], AWAY, AWAY, WALK[2])
 LONE_WALK = (*WALK[:3], AWAY, WALK[0])
 
-_REST = 40  # frames for which nothing may change once a policy has settled
 _STEPS = tuple(pose_at(0.05 * k) for k in range(80))
 BACK_AND_FORTH = (
     *_STEPS[:1] * 30,
@@ -33,25 +33,32 @@ BACK_AND_FORTH = (
 )
 
 
-def walks(
-    *shares: float,
-    poses: tuple[Pose, ...] = WALK,
-    lone: bool = False,
-    refresh_hz: float = 60.0,
-) -> Examples:
-    """Return examples of one walk with budgets of these shares."""
+Frames = Callable[[int], int]
 
-    def examples(policy: Policy, _rest: int) -> Iterator[Example]:
+
+def long_rest(rest: int) -> int:
+    """Return the frames of a cut, of coming to rest, and some in which nothing may change."""
+    return len(CUT) + 3 + rest + max(40, min(rest, 200))
+
+
+def walks(*shares: float, lone: bool = False, frames: Frames | None = None, **how: Any) -> Examples:
+    """Return examples with budgets of these shares in every place, other arguments as they are.
+
+    `frames` is a function of the frames that a policy takes to rest.
+    """
+
+    def examples(policy: Policy, rest: int) -> Iterator[Example]:
+        count = 0 if frames is None else frames(rest)
         for place in fitting(policy.capabilities, lone=lone):
             for share in shares:
-                yield example_at(place, share, poses, refresh_hz=refresh_hz)
+                yield example_at(place, share, frames=count, **how)
 
     return examples
 
 
-def one_walk(policy: Policy, rest: int) -> list[Example]:
-    """Return the walk in the first place only."""
-    return list(walks(TIGHT)(policy, rest))[:1]
+def first_walk(policy: Policy, rest: int) -> Iterator[Example]:
+    """Yield the walk in the first place only."""
+    return islice(walks(TIGHT)(policy, rest), 1)
 
 
 def shuffled(policy: Policy, rest: int) -> Iterator[tuple[Example, int]]:
@@ -64,28 +71,6 @@ def after_another(policy: Policy, _rest: int) -> Iterator[tuple[Example, Example
     chosen = list(fitting(policy.capabilities))
     for place, other in zip(chosen, (*chosen[1:], *chosen[:1]), strict=True):
         yield example_at(other, 0.5 * TIGHT, WALK[::-1]), example_at(place, TIGHT)
-
-
-def unpaced(policy: Policy, _rest: int) -> Iterator[Example]:
-    """Yield examples at rest on a screen that waits for nothing, where each frame is due."""
-    for place in fitting(policy.capabilities):
-        for share in BUDGETS:
-            yield example_at(place, share, (SIGHT,), mode="immediate")
-
-
-def resting(policy: Policy, rest: int) -> Iterator[Example]:
-    """Yield examples in which nothing moves."""
-    for place in fitting(policy.capabilities):
-        yield example_at(place, 0.5, (SIGHT,), frames=rest + 10)
-
-
-def stepping(policy: Policy, rest: int) -> Iterator[Example]:
-    """Yield examples that end with a cut, after which nothing moves."""
-    walk = (*WALK[6:9], SIGHT)
-    frames = len(walk) + rest + max(_REST, min(rest, 5 * _REST)) + 3
-    for place in fitting(policy.capabilities):
-        for share in (0.15, 0.5):
-            yield example_at(place, share, walk, frames=frames)
 
 
 def growing(policy: Policy, _rest: int) -> Iterator[tuple[Example, Example]]:
@@ -102,10 +87,3 @@ def slow_frames(policy: Policy, _rest: int) -> Iterator[Example]:
     for place in of_each_kind.values():
         for share in (0.3, PLENTY):
             yield example_at(place, share, (SIGHT,), refresh_hz=1.0, frames=20)
-
-
-def streamed(policy: Policy, _rest: int) -> Iterator[Example]:
-    """Yield trees of which not all fits in memory."""
-    for place in fitting(policy.capabilities):
-        if not place.scene.flat:
-            yield example_at(place, PLENTY, memory_share=0.4)

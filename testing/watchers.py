@@ -56,19 +56,14 @@ class Guarded(Notes):
 
 def _contents(view: View) -> dict[str, np.ndarray]:
     """Return the arrays that a view is made of."""
-    state, previous = view.state, view.previous
-    arrays = {
-        "ids": view.ids,
-        "xyz_m": view.xyz_m,
-        "centers_m": state.centers_m,
-        "last_detail": state.last_detail,
-        "inside": state.inside,
-        "completed.work_ms": state.completed.work_ms,
-        "completed.gpu_ms": state.completed.gpu_ms,
-    }
-    if previous is not None:
-        arrays |= {"previous.ids": previous.ids, "previous.detail": previous.detail}
-    return arrays
+    state = view.state
+    parts: list[tuple[str, Any, tuple[str, ...]]] = [
+        ("", view, ("ids", "xyz_m")),
+        ("", state, ("centers_m", "last_detail", "inside")),
+        ("completed.", state.completed, ("work_ms", "gpu_ms")),
+        ("previous.", state.previous, ("ids", "detail") if state.previous else ()),
+    ]
+    return {f"{part}{name}": getattr(owner, name) for part, owner, names in parts for name in names}
 
 
 class _Reports(Completed):
