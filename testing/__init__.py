@@ -1,6 +1,7 @@
-"""What a team needs to test its own policies: strategies, ready properties, and a budget to assert.
+"""What a team needs to test its own policies: checks, properties, strategies, a budget to assert.
 
 Names are loaded when they are first used, so that the plugin costs nothing until a test needs it.
+`check_policy` needs neither pytest nor hypothesis.
 """
 
 from importlib import import_module
@@ -8,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .budget import FrameBudget, assert_budget
-    from .parametrize import parametrize_with_properties
+    from .contract import CHECKS, CheckResult, check_policy
+    from .parametrize import parametrize_with_checks, parametrize_with_properties
+    from .promise import CheckError, Promise
     from .properties import (
         PROPERTIES,
         budget_is_kept,
@@ -23,18 +26,24 @@ if TYPE_CHECKING:
     from .strategies import hardware_profiles, scenes, traces, views
 
 __all__ = [
+    "CHECKS",
     "PROPERTIES",
+    "CheckError",
+    "CheckResult",
     "FrameBudget",
+    "Promise",
     "Property",
     "PropertyFailedError",
     "assert_budget",
     "budget_is_kept",
+    "check_policy",
     "hardware_profiles",
     "lag_is_bounded",
     "load_steps_settle",
     "more_budget_is_never_worse",
     "nothing_toggles_at_rest",
     "order_does_not_matter",
+    "parametrize_with_checks",
     "parametrize_with_properties",
     "reset_forgets",
     "scenes",
@@ -44,7 +53,9 @@ __all__ = [
 
 _MODULES = {
     "budget": ("FrameBudget", "assert_budget"),
-    "parametrize": ("parametrize_with_properties",),
+    "contract": ("CHECKS", "CheckResult", "check_policy"),
+    "parametrize": ("parametrize_with_checks", "parametrize_with_properties"),
+    "promise": ("CheckError", "Promise"),
     "property": ("Property", "PropertyFailedError"),
     "strategies": ("hardware_profiles", "scenes", "traces", "views"),
 }

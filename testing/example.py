@@ -1,49 +1,112 @@
-"""A small world in which a property is tried, and what a policy did in it."""
+"""A small world in which a promise is tried, and what a policy did in it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Generic, TypeVar
 
+import numpy as np
+
+from ..base.arrays import BoolArray
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.scene import Scene
-from ..policies.protocol import Capabilities, Oracle, Policy, Truth
+from ..policies.protocol import Policy
 from ..policies.selection import Selection
+from ..policies.shared.observer import Watched, watch
 from ..policies.view import View
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions, replay
 from ..traces.cameras.camera_trace import CameraTrace
-from .checks.driver import coarsest, frame_ms
 
 Factory = Callable[[], Policy]
+"""A policy class, or a function without arguments that makes a policy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
-    """A replay of an example.
+class Frame:
+    """What a policy saw of a frame and what it selected, copied from what may change later."""
 
-    Attributes
-    ----------
-    log : FrameLog
-    detail : list of dict of int to float
-        By frame: the detail selected for each node.
-    least_ms : list of float
-        By frame: noise-free GPU time of the least that could be drawn.
-    arrivals : list of int
-        Frames, other than the first, in which other nodes were in memory than in the one before.
-    """
+    view: View
+    selection: Selection
+
+    @property
+    def pose(self) -> tuple[float, ...]:
+        """Position and orientation of the camera."""
+        return (*self.view.camera.position_m, *self.view.camera.orientation_xyzw)
+
+    @property
+    def drawn(self) -> Selection:
+        """The selection without what is outside the frustum, by ascending node."""
+        ids, inside = self.selection.ids, self.view.state.inside
+        order = np.argsort(ids)
+        order = order[inside[ids[order]]]
+        return replace(self.selection, ids=ids[order], detail=self.selection.detail[order])
+
+
+class Notes(Watched):
+    """A policy whose frames are kept."""
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__(policy)
+        self.frames: list[Frame] = []
+
+    def show(self, view: View) -> View:
+        """Return what the policy is to see instead of a view: here the view itself."""
+        return view
+
+    def select(self, view: View) -> Selection:
+        """Show the policy a view, and note what it makes of it."""
+        seen = self.show(view)
+        selection = super().select(seen)
+        if isinstance(selection, Selection):  # pyright: ignore[reportUnnecessaryIsInstance] - a user's policy may return anything
+            state, resident = seen.state, seen.state.residency
+            kept = replace(
+                state,
+                inside=state.inside.copy(),
+                residency=None if resident is None else resident.copy(),
+            )
+            copied = replace(
+                selection, ids=np.array(selection.ids), detail=np.array(selection.detail)
+            )
+            self.frames.append(Frame(View(kept, seen.ids, seen.xyz_m), copied))
+        return selection
+
+
+Kind = TypeVar("Kind", bound=Notes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played(Generic[Kind]):
+    """A replay of an example: its log, and what was noted of the policy."""
 
     log: FrameLog
-    detail: list[dict[int, float]]
-    least_ms: list[float]
-    arrivals: list[int]
+    notes: Kind
+
+    @property
+    def frames(self) -> list[Frame]:
+        """Return the frames as the policy met them."""
+        return self.notes.frames
+
+    def last_change(self) -> int:
+        """Return the last frame in which the camera stood elsewhere than in the one before.
+
+        Or in which other nodes were in memory: what arrives from the disk is a change too.
+        """
+        for at in range(len(self.frames) - 1, 0, -1):
+            now, before = self.frames[at], self.frames[at - 1]
+            resident = now.view.state.residency, before.view.state.residency
+            if now.pose != before.pose or not _same_memory(*resident):
+                return at
+        return 0
+
+
+def _same_memory(one: BoolArray | None, other: BoolArray | None) -> bool:
+    return one is None or other is None or bool((one == other).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
-    """A world without noise, a budget and a number of frames.
-
-    `scene` is bound to the machine's costs, so that a policy may consult them.
-    """
+    """A world without noise, a budget and a number of frames."""
 
     scene: Scene
     trace: CameraTrace
@@ -58,64 +121,19 @@ class Example:
             f"{len(self.scene)} {objects}, {self.frames} {frames}, budget {self.budget_ms:.4g} ms"
         )
 
-    def play(self, policy: Policy) -> Played:
-        """Replay the example under a policy.
+    def play(self, policy: Policy, kind: type[Kind] = Notes) -> Played[Kind]:
+        """Replay the example under a policy, of which notes are taken.
 
-        Raises
-        ------
-        PolicyError
-            If the policy breaks its contract.
+        Raises `PolicyError` if the policy breaks its contract.
         """
-        watched = _watch(policy)
+        notes = watch(policy, kind)
         options = ReplayOptions(budget_ms=self.budget_ms, frames=self.frames)
-        log = replay(
-            watched, self.scene, self.trace, self.hardware, options, name=type(policy).__name__
-        )
-        return Played(log, watched.detail, watched.least_ms, watched.arrivals)
+        name = type(policy).__name__
+        log = replay(notes, self.scene, self.trace, self.hardware, options, name=name)
+        return Played(log, notes)
 
 
-class _Watched:
-    """A policy whose selections are noted."""
-
-    capabilities: ClassVar[Capabilities]
-
-    def __init__(self, policy: Policy) -> None:
-        self._policy = policy
-        self.detail: list[dict[int, float]] = []
-        self.least_ms: list[float] = []
-        self.arrivals: list[int] = []
-        self._resident: bytes | None = None
-
-    def reset(self, scene: Scene, budget_ms: float) -> None:
-        """Reset the policy."""
-        self._policy.reset(scene, budget_ms)
-
-    def select(self, view: View) -> Selection:
-        """Note the policy's selection, and what the coarsest one would have cost."""
-        everything = view.state.residency
-        resident = None if everything is None else everything.tobytes()
-        if view.frame and resident != self._resident:
-            self.arrivals.append(view.frame)
-        self._resident = resident
-        selection: Any = self._policy.select(view)
-        if isinstance(selection, Selection):  # a user's policy may return anything
-            pairs = zip(selection.ids.tolist(), selection.detail.tolist(), strict=True)
-            self.detail.append(dict(pairs))
-        self.least_ms.append(frame_ms(view, coarsest(view)))
-        return selection
-
-
-class _WatchedOracle(_Watched):
-    """An oracle whose selections are noted."""
-
-    def foresee(self, truth: Truth) -> None:
-        """Pass the truth on."""
-        assert isinstance(self._policy, Oracle), "only an oracle is watched as one"
-        self._policy.foresee(truth)
-
-
-def _watch(policy: Policy) -> _Watched:
-    """Return a policy with the same capabilities, which belong to its class."""
-    base = _WatchedOracle if isinstance(policy, Oracle) else _Watched
-    watched: Any = type("Watched", (base,), {"capabilities": policy.capabilities})
-    return watched(policy)
+@lru_cache(maxsize=64)
+def play_fresh(factory: Factory, example: Example) -> Played[Notes]:
+    """Replay an example under a new policy, or return what an earlier promise saw of it."""
+    return example.play(factory())

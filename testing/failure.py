@@ -2,7 +2,6 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,18 +13,8 @@ from ..models.scene.scene_file import write_scene
 from ..traces.cameras.write_trace import write_trace
 from .example import Example, Factory
 from .naming import name_policy
+from .promise import Failure
 from .time_picture import draw_frame_times
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """What is wrong, and in which examples it shows, by name.
-
-    `runs` has one example, or two that had to be alike.
-    """
-
-    message: str
-    runs: tuple[tuple[str, Example], ...]
 
 
 def write_failure(folder: Path, failure: Failure, factory: Factory, title: str) -> str:

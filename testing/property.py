@@ -1,7 +1,7 @@
-"""A property of policies: drawn examples, a judge, and a report of the smallest that fails."""
+"""A promise explored by hypothesis: drawn examples, and a report of the smallest that fails."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,21 +10,18 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Flaky
 from hypothesis.strategies import SearchStrategy
 
-from ..base.errors import PolicyError
-from ..policies.protocol import Capabilities, Claims, claims_of
-from .example import Example, Factory
-from .failure import Failure, write_failure
+from ..policies.protocol import Capabilities
+from .example import Factory
+from .failure import write_failure
+from .promise import CheckError, Failure, Promise, locate, rest_claimed
 
 FAILURES = Path("lodbench-failures")
 """Where failing examples are written unless told otherwise, a folder a policy and property."""
 
-_REST_FRAMES = 60
-"""Frames after which a policy that claims nothing has to be at rest: a second at 60 Hz."""
-
 _UNCHECKED = (HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.nested_given)
 
 
-class PropertyFailedError(AssertionError):
+class PropertyFailedError(CheckError):
     """A policy lacks a property; the message names the smallest example and its files."""
 
     def __init__(self, message: str, failure: Failure | None = None) -> None:
@@ -38,27 +35,21 @@ class _Found(Exception):  # noqa: N818 - carries an example out of hypothesis, n
         self.failure = failure
 
 
-@dataclass(frozen=True, slots=True)
-class Property:
-    """A property, called with what makes a policy.
+Draw = Callable[[Capabilities, int], SearchStrategy[Any]]
+"""From what a policy can drive and the frames it takes to rest to a strategy of examples."""
 
-    Attributes
-    ----------
-    name : str
-    definition : str
-    draw : callable
-        From what a policy can drive and the frames it takes to rest to a strategy of examples.
-    judge : callable
-        From a factory, an example and the frames to rest to what is wrong, or None.
-    claimed : callable
-        Whether a policy's claims include it; the properties of the contract need no claim.
-    """
 
-    name: str
-    definition: str
-    draw: Callable[[Capabilities, int], SearchStrategy[Any]]
-    judge: Callable[[Factory, Any, int], Failure | None]
-    claimed: Callable[[Claims], bool]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Property(Promise):
+    """A promise that is called to try drawn examples instead of the fixed ones."""
+
+    draw: Draw
+
+    @classmethod
+    def of(cls, promise: Promise, draw: Draw) -> "Property":
+        """Return a promise with a strategy of examples."""
+        known = {field.name: getattr(promise, field.name) for field in fields(promise)}
+        return cls(**known, draw=draw)
 
     def __call__(
         self,
@@ -70,43 +61,35 @@ class Property:
     ) -> None:
         """Try examples, always the same ones; the smallest that fails is written to `folder`.
 
+        Raises `PropertyFailedError` if an example is found.
+
         Parameters
         ----------
         factory
             A policy class, or a function without arguments that makes a policy.
         rest_frames
             Frames that the policy may take to come to rest; None for what it claims, or 60.
-
-        Raises
-        ------
-        PropertyFailedError
-            If an example is found.
         """
         __tracebackhide__ = True  # for pytest: the message says all
         policy = factory()
-        if rest_frames is None:
-            claimed = claims_of(policy).settles_frames
-            rest_frames = _REST_FRAMES if claimed is None else claimed
+        rest = rest_claimed(policy) if rest_frames is None else rest_frames
         title = f"{self.name} of {type(policy).__name__}"
-        strategy = self.draw(policy.capabilities, rest_frames)
-        failure = _search(strategy, partial(self._try, factory, rest_frames), examples, title)
-        if failure is not None:
-            place = folder / title.replace(" ", "-")
-            raise PropertyFailedError(write_failure(place, failure, factory, title), failure)
-
-    def _try(self, factory: Factory, rest_frames: int, drawn: Any) -> Failure | None:
+        strategy = self.draw(policy.capabilities, rest)
         try:
-            return self.judge(factory, drawn, rest_frames)
-        except PolicyError as error:
-            example = drawn if isinstance(drawn, Example) else drawn[0]
-            return Failure(str(error), (("example", example),))
+            failure = _search(strategy, partial(self.try_one, factory, rest), examples)
+        except Flaky as error:
+            raise PropertyFailedError(
+                f"{locate(type(policy))}: {title}: the policy decides differently on the same "
+                "example; nothing may be drawn by lot, kept on the class or read off a clock"
+            ) from error
+        if failure is not None:
+            report = write_failure(folder / title.replace(" ", "-"), failure, factory, title)
+            place = locate(type(policy), failure.cause)
+            raise PropertyFailedError(f"{place}: {report}", failure)
 
 
 def _search(
-    strategy: SearchStrategy[Any],
-    judge: Callable[[Any], Failure | None],
-    examples: int,
-    title: str,
+    strategy: SearchStrategy[Any], judge: Callable[[Any], Failure | None], examples: int
 ) -> Failure | None:
     """Return the smallest failure that hypothesis finds."""
 
@@ -129,9 +112,4 @@ def _search(
         holds()
     except _Found as found:
         return found.failure
-    except Flaky as error:
-        raise PropertyFailedError(
-            f"{title}: the policy decides differently on the same example; nothing may be drawn "
-            "by lot, kept on the class or read off a clock"
-        ) from error
     return None

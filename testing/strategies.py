@@ -11,22 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from ..base.predictors import LEVEL_PREDICTORS
 from ..models.machine.cost import CostModel, CpuCostModel
 from ..models.machine.hardware import Display, HardwareProfile, Provenance
 from ..models.machine.residual import Residual
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
-from ..models.scene.levels import LevelTable
-from ..models.scene.scene import ObjectTypes, Scene
+from ..models.scene.scene import Scene
 from ..policies.frame_times import Completed
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from ..traces.cameras.orientation import look_along
+from .small_scenes import level_table, scene_of, trees
 
 _EYE_M = 1.65
 _LEG_S = 0.1
-_SOLID_ERROR_M = 0.01  # of a level against the one before, times its index squared
 
 
 class _Chain(NamedTuple):
@@ -75,37 +73,20 @@ def scenes(
     placed: list[_Object] = draw(st.lists(_objects, min_size=1, max_size=objects))
     if hierarchy:
         layers: list[int] = [draw(st.integers(0, 2)) for _ in placed]
-        return _trees(placed, layers)
+        roots_m, radius_m = _places(placed)
+        depth, parent, position_m, scale = trees(roots_m, 4.0 * radius_m, layers)
+        levels = level_table([[600.0], [400.0], [350.0]], (False,) * 3, (0.5, 0.1, 0.0))
+        return scene_of("example", levels, depth, position_m, scale, parent=parent)
     chains: list[_Chain] = draw(st.lists(_chains, min_size=1, max_size=3))
     kind = np.array([item.kind % len(chains) for item in placed])
-    levels = _levels([_triangles(chain) for chain in chains], continuous=continuous)
+    soft = [continuous and chain.levels > 1 for chain in chains]
+    levels = level_table([_triangles(chain) for chain in chains], soft)
     position_m, scale = _places(placed)
-    return _scene("example", levels, kind, position_m, scale, np.full(len(placed), -1))
+    return scene_of("example", levels, kind, position_m, scale)
 
 
 def _triangles(chain: _Chain) -> list[float]:
     return [float(round(chain.triangles * chain.share**i)) for i in range(chain.levels)]
-
-
-def _levels(
-    chains: Sequence[Sequence[float]],
-    *,
-    continuous: bool = False,
-    error_m: Sequence[float] | None = None,
-) -> LevelTable:
-    triangles = np.concatenate([np.asarray(chain) for chain in chains])
-    counts = np.zeros((len(triangles), len(LEVEL_PREDICTORS)))
-    counts[:, LEVEL_PREDICTORS.index("draw_calls")] = 1.0
-    counts[:, LEVEL_PREDICTORS.index("triangles")] = triangles
-    counts[:, LEVEL_PREDICTORS.index("vertices")] = 0.5 * triangles
-    index = np.concatenate([np.arange(len(chain)) for chain in chains])
-    return LevelTable(
-        np.cumsum([0, *map(len, chains)]),
-        counts,
-        np.asarray(_SOLID_ERROR_M * index**2 if error_m is None else error_m, dtype=np.float64),
-        36.0 * triangles,
-        np.array([continuous and len(chain) > 1 for chain in chains]),
-    )
 
 
 def _places(placed: Sequence[_Object]) -> tuple[np.ndarray, np.ndarray]:
@@ -116,52 +97,6 @@ def _places(placed: Sequence[_Object]) -> tuple[np.ndarray, np.ndarray]:
         (4.0 + ahead + 0.317 * order, 0.7 * aside + 0.053 * (order + 1) ** 1.5, 1.0 + 0.07 * order)
     )
     return position_m, (0.5 + 0.25 * size) * (1.0 + 0.013 * order)
-
-
-def _trees(placed: Sequence[_Object], layers: Sequence[int]) -> Scene:
-    """Return a tree for each object: a node of layer d has four children of half its size."""
-    roots_m, radii_m = _places(placed)
-    position_m, scale = list(roots_m), list(4.0 * radii_m)
-    parent, depth = [-1] * len(placed), [0] * len(placed)
-    below = [*layers]
-    node = 0
-    while node < len(parent):
-        for corner in range(4 if below[node] else 0):
-            side = np.array([(corner & 1) - 0.5, (corner >> 1) - 0.5, 0.0])
-            step = 1.0 + 0.031 * corner + 0.0017 * node
-            position_m.append(position_m[node] + side * scale[node] * step)
-            scale.append(0.5 * scale[node] * (1.0 + 0.011 * corner))
-            parent.append(node)
-            depth.append(depth[node] + 1)
-            below.append(below[node] - 1)
-        node += 1
-    levels = _levels([[600.0], [400.0], [350.0]], error_m=[0.5, 0.1, 0.0])
-    return _scene(
-        "example", levels, np.array(depth), np.array(position_m), np.array(scale), np.array(parent)
-    )
-
-
-def _scene(
-    name: str,
-    levels: LevelTable,
-    kind: np.ndarray,
-    position_m: np.ndarray,
-    scale: np.ndarray,
-    parent: np.ndarray,
-) -> Scene:
-    types, n = len(levels.level_count), len(kind)
-    names = tuple(f"type-{k}" for k in range(types))
-    return Scene(
-        name,
-        ObjectTypes(names, np.zeros((types, 3)), np.ones(types), levels),
-        kind,
-        position_m,
-        np.tile((0.0, 0.0, 0.0, 1.0), (n, 1)),
-        scale,
-        np.linspace(1.0, 1.5, n),
-        parent,
-        np.zeros(n, dtype=np.bool_),
-    )
 
 
 @st.composite

@@ -1,7 +1,5 @@
 """Strategies of examples: the worlds that the properties are tried in."""
 
-from typing import Any
-
 import numpy as np
 from hypothesis import strategies as st
 
@@ -17,19 +15,23 @@ _EYE_M = 1.65
 _STEP_S = 5e-5  # after the first frame has begun, before the second
 
 
-def worlds(capabilities: Capabilities) -> st.SearchStrategy[Example]:
+def moving(capabilities: Capabilities, _rest: int) -> st.SearchStrategy[Example]:
     """Return examples of 1 to 10 frames with a camera that moves."""
     return _examples(capabilities, traces(), st.integers(1, 10))
 
 
-def still_worlds(capabilities: Capabilities, frames: st.SearchStrategy[int]) -> Any:
-    """Return examples in which nothing moves."""
+def resting(
+    capabilities: Capabilities, rest: int, more: tuple[int, int] = (2, 6)
+) -> st.SearchStrategy[Example]:
+    """Return examples in which nothing moves, of some frames more than it takes to rest."""
+    frames = st.integers(rest + more[0], rest + more[1])
     return _examples(capabilities, st.just(_camera((0.0,))), frames)
 
 
-def load_steps(capabilities: Capabilities, frames: st.SearchStrategy[int]) -> Any:
+def stepping(capabilities: Capabilities, rest: int) -> st.SearchStrategy[Example]:
     """Return examples whose camera looks away in the first frame, then at the scene."""
-    return _examples(capabilities, st.just(_camera((np.pi, 0.0))), frames)
+    paths = st.just(_camera((np.pi, 0.0)))
+    return _examples(capabilities, paths, st.integers(rest + 3, rest + 6))
 
 
 def _camera(heading_rad: tuple[float, ...]) -> CameraTrace:
@@ -67,9 +69,8 @@ def _examples(
     scene: Scene = draw(_scenes(capabilities))
     # Never a sum of costs, so that the order of additions decides nothing.
     share = (draw(st.integers(0, 20)) + 1.0 / 7.0) / 16.0
-    bound = scene.with_costs(machine.gpu)
     budget_ms = machine.gpu.base_ms + share * _full_ms(scene, machine)
-    return Example(bound, draw(paths), machine, budget_ms, draw(frames))
+    return Example(scene, draw(paths), machine, budget_ms, draw(frames))
 
 
 def _full_ms(scene: Scene, machine: HardwareProfile) -> float:

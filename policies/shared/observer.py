@@ -1,7 +1,7 @@
 """A policy that is watched: what it last saw and chose, and how long each choice took."""
 
 import time
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Oracle, Policy, Truth
@@ -43,8 +43,11 @@ class Watched:
         self._policy.foresee(truth)
 
 
-def watch(policy: Policy) -> Watched:
+Kind = TypeVar("Kind", bound=Watched)
+
+
+def watch(policy: Policy, kind: type[Kind] = Watched) -> Kind:
     """Return the policy watched, with its capabilities, as a replay reads them of the class."""
-    watched = type("Watched", (Watched,), {"capabilities": policy.capabilities})(policy)
-    assert isinstance(watched, Watched)
+    watched = type("Watched", (kind,), {"capabilities": policy.capabilities})(policy)
+    assert isinstance(watched, kind)
     return watched

@@ -28,6 +28,7 @@ from lodbench.testing import (
     more_budget_is_never_worse,
     nothing_toggles_at_rest,
     order_does_not_matter,
+    parametrize_with_properties,
     reset_forgets,
 )
 from lodbench.traces.cameras.read_trace import read_trace
@@ -167,11 +168,7 @@ def test_at_least_twelve_policies_claim_something() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("item", PROPERTIES, ids=lambda item: item.name)
-@pytest.mark.parametrize("name", CLAIMING)
-def test_claims_hold_in_500_examples(name: str, item: Property, tmp_path: Path) -> None:
+@parametrize_with_properties([parse_policy(name).cls for name in CLAIMING], examples=500)
+def test_claims_hold_in_500_examples(policy_factory: Any, check_property: Any) -> None:
     """Every policy that claims something keeps it, and the contract, in 500 worlds."""
-    policy = parse_policy(name)
-    if not item.claimed(claims_of(policy.make())):
-        pytest.skip(f"{name} does not claim {item.name}")
-    item(policy.make, examples=500, folder=tmp_path)
+    check_property(policy_factory)

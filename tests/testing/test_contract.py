@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from lodbench.policies.registry import REGISTERED, parse_policy
-from lodbench.testing.checks import parametrize_with_checks
+from lodbench.testing import parametrize_with_checks
 
 Factory = Any
 Check = Any

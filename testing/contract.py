@@ -1,0 +1,70 @@
+"""Checks all promises of a policy, as a list of results; needs neither pytest nor hypothesis."""
+
+from dataclasses import dataclass
+from unittest import SkipTest
+
+from . import agreement, claims
+from .example import Factory
+from .promise import CheckError, Promise, locate
+
+CHECKS: tuple[Promise, ...] = (
+    agreement.valid_selections,
+    agreement.empty_frames,
+    agreement.one_object,
+    agreement.next_to_no_budget,
+    agreement.everything_resident,
+    agreement.draws_what_is_resident,
+    agreement.two_instances_agree,
+    agreement.reset_forgets,
+    agreement.leaves_the_view_alone,
+    agreement.order_does_not_matter,
+    agreement.pickles,
+    agreement.parameters_round_trip,
+    claims.faulty_timings_never_raise_detail,
+    claims.budget_is_kept,
+    claims.lag_is_bounded,
+    claims.more_budget_is_never_worse,
+    claims.nothing_toggles_at_rest,
+    claims.load_steps_settle,
+    claims.hysteresis_holds,
+)
+"""All promises, in the order in which they are checked."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """What a check showed.
+
+    Attributes
+    ----------
+    name : str
+    passed : bool
+        True also of checks that do not apply.
+    message : str
+        What is wrong, after the file and line of the policy; empty if nothing is.
+    skipped : str or None
+        Why the check does not apply, such as a property that the policy does not claim.
+    """
+
+    name: str
+    passed: bool
+    message: str = ""
+    skipped: str | None = None
+
+
+def check_policy(factory: Factory) -> list[CheckResult]:
+    """Run every check on the policies that a class, or a function without arguments, makes."""
+    return [_result(check, factory) for check in CHECKS]
+
+
+def _result(check: Promise, factory: Factory) -> CheckResult:
+    try:
+        check(factory)
+    except SkipTest as reason:
+        return CheckResult(check.name, passed=True, skipped=str(reason))
+    except CheckError as error:
+        return CheckResult(check.name, passed=False, message=str(error))
+    except Exception as error:  # noqa: BLE001 - a user's class may raise anything when it is made
+        message = f"{locate(factory, error)}: {type(error).__name__}: {error}"
+        return CheckResult(check.name, passed=False, message=message)
+    return CheckResult(check.name, passed=True)
