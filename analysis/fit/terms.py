@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...base.errors import InputError
-from ...traces.logs.render_log import CPU_COUNTS, GPU_COUNTS
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
-_COUNTS = tuple(dict.fromkeys((*GPU_COUNTS, *CPU_COUNTS)))
+_COUNTS = tuple(dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)))
 _NAME = re.compile(r"([a-z_]+)(\[[^\[\],]+\])?")
 
 

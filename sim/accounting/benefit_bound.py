@@ -2,7 +2,7 @@
 
 import math
 
-from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ...policies.bounds.oracle import smooth_choice
 from ...policies.shared.choices import LevelChoices, importance
@@ -18,7 +18,7 @@ class BenefitBound:
     knots, which is never less than it is).  Hierarchies have no bound: NaN.
     """
 
-    def __init__(self, scene: Scene, costs: CostModel, every: int) -> None:
+    def __init__(self, scene: Scene, costs: FrameCost, every: int) -> None:
         self._every = every if scene.flat else 0
         self._choices = LevelChoices(scene, costs, 1.0) if self._every else None
 

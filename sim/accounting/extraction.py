@@ -27,6 +27,9 @@ class Extraction:
     borrowed: int = 0
 
 
+_NOTHING = Extraction()
+
+
 class IndexSets:
     """Which index set each of N nodes owns and draws; empty for scenes without continuous types."""
 
@@ -48,7 +51,7 @@ class IndexSets:
             If a node borrows from a holder whose index set has another resolution.
         """
         if self._continuous is None or not len(drawn.ids):
-            return Extraction()
+            return _NOTHING
         soft = np.flatnonzero(self._continuous[drawn.ids])
         ids, detail = drawn.ids[soft], drawn.detail[soft]
         holder = ids if selection.holder is None else selection.holder[soft]

@@ -1,7 +1,6 @@
 """Error, benefit and degradation of what a frame shows, held against full detail."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,7 @@ from ...policies.view import View
 from .switches import Drawn
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
+class Quality(NamedTuple):
     """Sums over one frame; `missing` counts objects (units of a tree) of which nothing is drawn.
 
     What is missing has no benefit, and degrades as if it were drawn with a single primitive.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
+from ...models.machine.cost_terms.term import Footprint
 
 REVERSAL_NS = 500_000_000
 """A switch undone within half a second is a reversal (three.js issue 14565 is the complaint)."""
@@ -30,23 +31,26 @@ class Drawn:
         Row of the level table; with `fraction`, where between it and the next row.
     fraction : float64 or None
         None where every drawn node is discrete.
-    area_px : float64
+    seen : Footprint
+        Of these nodes in the window; `area_px` is its.
     error_m : float64
         Geometric error of the level, before scale.
     px_per_m : float64
         Screen-space error in px of one metre of error before scale, at the node's nearest point.
-    reach : pair of float64 arrays, or None
-        `Footprint.covered_px` and `Footprint.inside_share`; None where nothing is charged by them.
     """
 
     ids: IntArray
     detail: FloatArray
     row: NDArray[np.int64]
     fraction: FloatArray | None
-    area_px: FloatArray
+    seen: Footprint
     error_m: FloatArray
     px_per_m: FloatArray
-    reach: tuple[FloatArray, FloatArray] | None = None
+
+    @property
+    def area_px(self) -> FloatArray:
+        """Projected area of each node's bounding sphere, (m,)."""
+        return self.seen.area_px
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +117,7 @@ class Switches:
             other |= self._detail.take(ids) != drawn.detail
         at = other.nonzero()[0]
         if not len(at):
-            return SwitchCounts()
+            return _NO_SWITCHES
         before = before[at]
         known = before >> _ROW_BITS == frame - 1
         counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
@@ -127,7 +131,7 @@ class Switches:
     ) -> SwitchCounts:
         """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
         if not len(at):
-            return SwitchCounts()
+            return _NO_SWITCHES
         step = np.abs(drawn.error_m[at] - self._error_m[drawn.ids[at]]) * drawn.px_per_m[at]
         popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
         new_row = drawn.row[at]
@@ -149,6 +153,7 @@ class Switches:
         return at, self._fade_row[ids[at]]
 
 
+_NO_SWITCHES = SwitchCounts()
 _ROW_BITS = 31
 _ROW_MASK = (1 << _ROW_BITS) - 1
 _NOWHERE = np.empty(0, dtype=np.intp)

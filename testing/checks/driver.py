@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
-from ...base.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.benefit import level_accuracy, level_primitives
 from ...models.scene.camera import Camera
 from ...models.scene.frustum import Culler
@@ -164,12 +164,11 @@ def frame_ms(view: View, drawn: Selection) -> float:
     """Return the time of a frame by the scene's cost model."""
     costs, levels = view.scene.costs, view.scene.types.levels
     assert costs is not None, "stages have costs"
-    share = drawn.render_scale**2
     seen = view.at(drawn.ids)
-    linear, geometry = (_levelled(view, drawn, column) for column in costs.level_ms(levels))
-    ms = costs.base_ms + float(costs.object_ms(linear, geometry, seen, share).sum())
-    ms += share * view.camera.viewport_px * float(costs.linear_ms[FRAMEBUFFER_PIXELS])
-    return ms + len(np.unique(seen.type_index)) * float(costs.linear_ms[STATE_CHANGES])
+    row, fraction = levels.position(seen.type_index, drawn.detail)
+    frame = FrameCost(costs, levels).frame
+    share = drawn.render_scale**2
+    return frame(row, seen, view.camera.viewport_px, fraction=fraction, pixel_share=share).gpu_ms
 
 
 def coarsest(view: View) -> Selection:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -19,31 +20,7 @@ TimeName = Literal["frame_ms", "gpu_ms", "cpu_ms"]
 
 TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 
-# The names of the cost model's predictors; a test holds them against `models.predictors`, which
-# this package may not import.
-GPU_COUNTS = (
-    "draw_calls",
-    "vertices",
-    "triangles",
-    "skinned_vertices",
-    "textured_triangles",
-    "splats",
-    "texture_bytes",
-    "shaded_samples",
-    "rasterized_triangles",
-    "framebuffer_pixels",
-    "state_changes",
-)
-CPU_COUNTS = (
-    "objects_visited",
-    "comparisons",
-    "iterations",
-    "levels_extracted",
-    "triangles_extracted",
-    "levels_borrowed",
-    "draw_calls",
-    "objects_culled",
-)
+GPU_COUNTS, CPU_COUNTS = GPU_PREDICTORS, CPU_PREDICTORS
 
 # Compilation and first uploads: real times, but of work that no predictor counts.  In logs of
 # llvmpipe the first three frames take up to three times what later ones with as much to draw do.
