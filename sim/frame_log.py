@@ -6,10 +6,10 @@ column order, of the Parquet files that `write_frame_log` makes.
 """
 
 from array import array
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,5 +155,5 @@ class CountRows:
         return np.frombuffer(self._values, dtype=np.float64).reshape(-1, len(COUNTS))
 
 
-_IN_ORDER = itemgetter(*COUNTS)
+_IN_ORDER = cast("Callable[[Mapping[str, float]], tuple[float, ...]]", itemgetter(*COUNTS))
 _NAMES = len(COUNTS) + len(CONSTANT)

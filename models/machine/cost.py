@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, frozen_array, require_finite
 from ...base.errors import InputError
@@ -26,7 +27,7 @@ def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> F
     return _checked([given.get(name, 0.0) for name in names], names, label)
 
 
-def _checked(values: object, names: tuple[str, ...], label: str) -> FloatArray:
+def _checked(values: ArrayLike, names: tuple[str, ...], label: str) -> FloatArray:
     array = frozen_array(values, np.float64, (len(names),), label)
     require_finite(array, label, low=0.0)
     return array

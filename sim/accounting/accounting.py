@@ -44,9 +44,11 @@ class Accounting:
             row = row.astype(np.int64)
             error_m = self._levels.interpolate(self._levels.error_m, row, fraction)
         else:
+            # A discrete detail is a whole number of levels below the finest: no search is needed.
             row = self._finest.take(seen.type_index)
             row += detail.astype(np.int64)
             error_m = self._levels.error_m.take(row)
+        # In place: three temporary arrays a frame are what this function would take most time for.
         px_per_m = self._scene.scale.take(seen.ids)
         px_per_m *= view.camera.focal_px
         px_per_m /= seen.nearest_m
@@ -64,7 +66,8 @@ class Accounting:
         row, fraction, seen = drawn.row, drawn.fraction, drawn.seen
         at, old_row = self.switches.fading(time_ns, drawn.ids)
         if len(at):
-            # Both levels are drawn at the same place; what is left in a fade was a knot or a level.
+            # Both levels are drawn at the same place.  The one that goes is drawn as its row, of a
+            # continuous node a knot, since a toggle is told by rows.
             row = np.concatenate((row, old_row))
             seen = _DrawnTwice(seen, at)
             if fraction is not None:

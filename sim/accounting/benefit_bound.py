@@ -19,6 +19,7 @@ class BenefitBound:
     """
 
     def __init__(self, scene: Scene, costs: FrameCost, every: int) -> None:
+        # Alternatives of a hierarchy are fronts of uniform depth, whose optimum bounds no others.
         self._every = every if scene.flat else 0
         self._choices = LevelChoices(scene, costs, 1.0) if self._every else None
 
@@ -33,5 +34,6 @@ class BenefitBound:
         budget_ms = gpu_ms * (1.0 + 1e-12) - offer.fixed_ms
         soft = view.scene.continuous[view.ids]
         if soft.any():
+            # The hull over knots would be below the optimum: resolutions between them do better.
             return smooth_choice(offer, soft).within(budget_ms)[1]
         return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), budget_ms)

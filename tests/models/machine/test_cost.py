@@ -30,7 +30,7 @@ def test_counted_frames_by_hand() -> None:
 
 
 def test_cpu_frames_by_hand() -> None:
-    """Of 1 + 2·5 + 3·0.5 + 4·0.25 + 7·0.125 ms, visits, comparisons and iterations are the policy's.
+    """Of 1 + 2·5 + 3·0.5 + 4·0.25 + 7·0.125 ms, all but the first and last are the policy's.
 
     A count that is charged and not given is an error, never 0.
     """
