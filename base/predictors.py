@@ -20,15 +20,10 @@ LEVEL_PREDICTORS = (
 GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
-    "rasterized_triangles",  # of those drawn, how many should reach a sample; see `models.cost`
+    "rasterized_triangles",  # of those drawn, how many should reach a sample
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
 )
-
-SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
-RASTERIZED_TRIANGLES = GPU_PREDICTORS.index("rasterized_triangles")
-FRAMEBUFFER_PIXELS = GPU_PREDICTORS.index("framebuffer_pixels")
-STATE_CHANGES = GPU_PREDICTORS.index("state_changes")
 
 CPU_PREDICTORS = (
     "objects_visited",

@@ -5,15 +5,18 @@ mailbox replaced has ``display_ns`` -1).  `COUNTS` are float64.  Both tuples are
 column order, of the Parquet files that `write_frame_log` makes.
 """
 
+from array import array
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from operator import itemgetter
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError
-from ..base.predictors import LEVEL_PREDICTORS
+from ..base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
 TIMES = (
     "input_ns",  # the camera was sampled and CPU work began
@@ -23,11 +26,13 @@ TIMES = (
     "display_ns",
 )
 
+CONSTANT = ("framebuffer_pixels", "objects_culled")
+"""Predictors that are the same in every frame at full size; no columns."""
+
 COUNTS = (
-    *LEVEL_PREDICTORS,  # of everything drawn, cross-fades included
-    "shaded_samples",
-    "rasterized_triangles",  # NaN where the cost model does not charge them
-    "state_changes",
+    # Of everything drawn, cross-fades included; NaN where the cost model does not charge what takes
+    # time to count.
+    *(name for name in GPU_PREDICTORS if name not in CONSTANT),
     "visible",  # objects, or leaves of a tree, in the frustum
     "drawn",  # nodes drawn
     "missing",  # of those visible, how many have nothing drawn for them
@@ -38,12 +43,7 @@ COUNTS = (
     "cpu_ms",  # with noise
     "gpu_ms",  # with noise
     "select_ms",  # part of cpu_ms (noise-free) that the policy's work cost
-    "objects_visited",
-    "comparisons",
-    "iterations",
-    "levels_extracted",
-    "triangles_extracted",
-    "levels_borrowed",
+    *(name for name in CPU_PREDICTORS if name not in (*CONSTANT, *GPU_PREDICTORS)),
     "toggles",
     "reversals",
     "popping_px",
@@ -126,3 +126,34 @@ class FrameLog:
 
 _TIME_INDEX = {name: i for i, name in enumerate(TIMES)}
 _COUNT_INDEX = {name: i for i, name in enumerate(COUNTS)}
+
+
+class CountRows:
+    """Rows of `COUNTS` that grow frame by frame, each given by the names of its columns."""
+
+    __slots__ = ("_values",)
+
+    def __init__(self) -> None:
+        self._values = array("d")
+
+    def append(self, row: Mapping[str, float]) -> None:
+        """Add a frame, all of `COUNTS` and `CONSTANT`.
+
+        Raises
+        ------
+        KeyError
+            If a name is missing or there is none such.
+        """
+        # Names are looked up by position in C: a loop in Python would cost more than the frame.
+        values = _IN_ORDER(row)
+        if len(row) != _NAMES:
+            raise KeyError(*(row.keys() - {*COUNTS, *CONSTANT}))
+        self._values.extend(values)
+
+    def table(self) -> FloatArray:
+        """Return the rows so far, (n, len(COUNTS))."""
+        return np.frombuffer(self._values, dtype=np.float64).reshape(-1, len(COUNTS))
+
+
+_IN_ORDER = cast("Callable[[Mapping[str, float]], tuple[float, ...]]", itemgetter(*COUNTS))
+_NAMES = len(COUNTS) + len(CONSTANT)

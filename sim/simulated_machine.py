@@ -1,41 +1,42 @@
 """The machine that a frame runs on: simulated here by cost models and noise.
 
-`sim.gl` has another, which draws the frame and measures.
+`render.gl` has another, which draws the frame and measures.
 """
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Mapping
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..base.predictors import LEVEL_PREDICTORS
 from ..models.machine.cost import CostModel
 from ..models.machine.hardware import HardwareProfile
 from ..models.machine.residual import Residual
 from ..policies.protocol import Truth
 from ..policies.selection import Selection
 from ..policies.view import View
-from .accounting.accounting import Tally
-from .accounting.extraction import Extraction
 from .accounting.switches import Drawn
 from .frame_timer import FrameNoise
 
-_DRAW_CALLS = LEVEL_PREDICTORS.index("draw_calls")
 
+class Submitted(NamedTuple):
+    """A frame as it is handed to the machine: the policy's choice, and what it comes to.
 
-@dataclass(frozen=True, slots=True)
-class Submitted:
-    """A frame as it is handed to the machine: the policy's choice, and what it comes to."""
+    Attributes
+    ----------
+    counts : dict of str to float
+        By GPU and CPU predictor.
+    gpu_ms : float
+        What the true cost model says of them.
+    """
 
     view: View
     selection: Selection
     drawn: Drawn
-    tally: Tally
-    extraction: Extraction
+    counts: Mapping[str, float]
+    gpu_ms: float
 
 
-@dataclass(frozen=True, slots=True)
-class FrameTimes:
+class FrameTimes(NamedTuple):
     """Milliseconds of a frame: the policy's share of the CPU, all of the CPU, the GPU."""
 
     select_ms: float
@@ -65,8 +66,7 @@ class SimulatedMachine:
         scatter: Residual,
         seeds: tuple[np.random.SeedSequence, np.random.SeedSequence],
     ) -> None:
-        self._hardware, self._truth = hardware, truth
-        self._cpu_unit_ms: list[float] = hardware.cpu.linear_ms.tolist()
+        self._cpu, self._truth = hardware.cpu, truth
         self._gpu_noise = FrameNoise(scatter.factors, seeds[0])
         self._cpu_noise = FrameNoise(hardware.cpu_residual.factors, seeds[1])
         self._gpu_factor = 1.0
@@ -78,19 +78,7 @@ class SimulatedMachine:
 
     def run(self, frame: Submitted) -> FrameTimes:
         """Price the frame."""
-        work, extraction = frame.selection.work, frame.extraction
-        units = (
-            work.objects_visited,
-            work.comparisons,
-            work.iterations,
-            extraction.levels,
-            extraction.triangles,
-            extraction.borrowed,
-            float(frame.tally.level_counts[_DRAW_CALLS]),
-            len(frame.view.scene),
-        )
-        terms = [ms * unit for ms, unit in zip(self._cpu_unit_ms, units, strict=True)]
-        cpu_ms = self._hardware.cpu.base_ms + sum(terms)
+        cpu_ms, select_ms = self._cpu.frame_ms(frame.counts)
         return FrameTimes(
-            sum(terms[:3]), cpu_ms * self._cpu_noise.next(), frame.tally.gpu_ms * self._gpu_factor
+            select_ms, cpu_ms * self._cpu_noise.next(), frame.gpu_ms * self._gpu_factor
         )

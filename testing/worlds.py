@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
+from ..models.machine.frame_cost import FrameCost
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.scene import Scene
 from ..policies.protocol import Capabilities
@@ -76,5 +77,5 @@ def _examples(
 def _full_ms(scene: Scene, machine: HardwareProfile) -> float:
     """Return the time of all nodes at their finest, wherever they are."""
     levels = scene.types.levels
-    linear_ms, _ = machine.gpu.level_ms(levels)
-    return float(linear_ms[levels.start[:-1]][scene.type_index].sum())
+    level_ms = FrameCost(machine.gpu, levels).level_ms
+    return float(level_ms[levels.start[:-1]][scene.type_index].sum())

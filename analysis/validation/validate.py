@@ -7,8 +7,6 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.predictors import GPU_PREDICTORS
-from ...models.machine.cost import CostModel
 from ...models.machine.hardware import HardwareProfile
 from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
@@ -78,20 +76,11 @@ def require_priced(hardware: HardwareProfile) -> None:
             "sums do not tell the sides of a roofline, got a roofline; fit single predictors"
         )
     for name in UNRECORDED:
-        if costs.linear_ms[GPU_PREDICTORS.index(name)] > 0.0:
+        if costs.unit_ms(name) > 0.0:
             raise InputError(
                 f"--hardware {hardware.name}: expected costs of what is recorded, got one of "
                 f"{name}; fit a log of `lodbench record`"
             )
-
-
-def price_ms(costs: CostModel, counts: Mapping[str, FloatArray]) -> FloatArray:
-    """Return what a cost model, as `require_priced` admits it, says of what was drawn, (n,)."""
-    total = np.full(len(next(iter(counts.values()))), costs.base_ms)
-    for name, ms in zip(GPU_PREDICTORS, costs.linear_ms.tolist(), strict=True):
-        if ms > 0.0:
-            total = total + ms * counts[name]
-    return total
 
 
 def validate(
@@ -174,7 +163,7 @@ def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, _Se
     """Return what is compared with the first recording, by the name in `Errors`."""
     first = pair.measured[0]
     time_s, measured = _times(first.frames, warmup)
-    model = price_ms(hardware.gpu, first.counts)
+    model = hardware.gpu.counted_ms(first.counts)
     adapted = adapted_ms(model, np.asarray(first.frames["gpu_ms"]))
     found = {
         "model": _Series(model[warmup:], measured),

@@ -1,78 +1,41 @@
-"""Cost of drawing a frame: linear terms, and a roofline of geometry against pixels per object.
+"""Coefficients of a cost model: milliseconds per unit of each predictor; `frame_cost` prices.
 
 ``ms = base + Σ linear · x + Σ_objects max(geometry · x, pixel · x)``, the second sum over objects
 being Gobbetti-Bouvier's and Funkhouser-Séquin's ``max(T_tri · triangles, T_pix · pixels)``.
-
-One linear predictor, ``rasterized_triangles``, is a function of the level and the view.  A triangle
-that covers no sample is dropped after its vertices are transformed, and costs a fraction of one
-that is set up and filled.  If an object's samples fall on its triangles at random, of T triangles
-in the picture ``T · (1 - exp(-samples / T))`` receive one.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, frozen_array, require_finite
 from ...base.errors import InputError
-from ...base.predictors import (
-    CPU_PREDICTORS,
-    GPU_PREDICTORS,
-    LEVEL_PREDICTORS,
-    RASTERIZED_TRIANGLES,
-    SHADED_SAMPLES,
-)
-from ..scene.levels import LevelTable
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
 DISC_SHARE = 0.4
 """Share of a bounding sphere's disc that a mesh covers; hulls of eight cover 0.32 to 0.46."""
 
-_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
+_POLICY_WORK = ("objects_visited", "comparisons", "iterations")
 
 
 def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> FloatArray:
     unknown = sorted(set(given) - set(names))
     if unknown:
         raise InputError(f"{label}: expected predictors among {', '.join(names)}; got {unknown[0]}")
-    array = frozen_array([given.get(name, 0.0) for name in names], np.float64, (len(names),), label)
+    return _checked([given.get(name, 0.0) for name in names], names, label)
+
+
+def _checked(values: ArrayLike, names: tuple[str, ...], label: str) -> FloatArray:
+    array = frozen_array(values, np.float64, (len(names),), label)
     require_finite(array, label, low=0.0)
     return array
 
 
-class Footprint(Protocol):
-    """Where m objects are in the picture; a policy's `View` is one."""
-
-    @property
-    def area_px(self) -> FloatArray:
-        """Projected area of the bounding spheres, at most the viewport's, (m,)."""
-        ...
-
-    @property
-    def covered_px(self) -> FloatArray:
-        """Samples that the objects themselves should cover, (m,)."""
-        ...
-
-    @property
-    def inside_share(self) -> FloatArray:
-        """Share of each object that is in the picture, in [0, 1], (m,)."""
-        ...
-
-
-def rasterized_triangles(
-    triangles: FloatArray, covered_px: FloatArray, inside: FloatArray
-) -> FloatArray:
-    """Return how many of each object's triangles should reach a sample, at most all of them.
-
-    Parameters
-    ----------
-    covered_px, inside
-        As `Footprint.covered_px` and `Footprint.inside_share`.
-    """
-    seen = triangles * inside
-    per_triangle = np.divide(covered_px, seen, out=np.zeros(seen.shape), where=seen > 0.0)
-    return seen * -np.expm1(-per_triangle)
+def _require_base(base_ms: float, label: str) -> None:
+    if not (np.isfinite(base_ms) and base_ms >= 0.0):
+        raise InputError(f"{label}: expected milliseconds >= 0, got {base_ms}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,27 +51,17 @@ class CostModel:
     roofline_ms : (P,) float64
         Milliseconds per unit of the roofline term; ``shaded_samples`` is its pixel side, every
         level predictor its geometry side.
-    has_roofline, rasterized_ms : derived
-        Whether any of these is positive; milliseconds per triangle that reaches a sample.
     """
 
     base_ms: float
     linear_ms: FloatArray
     roofline_ms: FloatArray
-    has_roofline: bool = field(init=False)
-    rasterized_ms: float = field(init=False)
 
     def __post_init__(self) -> None:
-        size = (len(GPU_PREDICTORS),)
-        put = object.__setattr__
         for name in ("linear_ms", "roofline_ms"):
-            array = frozen_array(getattr(self, name), np.float64, size, name)
-            require_finite(array, name, low=0.0)
-            put(self, name, array)
-        if not (np.isfinite(self.base_ms) and self.base_ms >= 0.0):
-            raise InputError(f"base: expected milliseconds >= 0, got {self.base_ms}")
-        put(self, "has_roofline", bool(self.roofline_ms.any()))
-        put(self, "rasterized_ms", float(self.linear_ms[RASTERIZED_TRIANGLES]))
+            array = _checked(getattr(self, name), GPU_PREDICTORS, name)
+            object.__setattr__(self, name, array)
+        _require_base(self.base_ms, "base")
 
     @classmethod
     def of(
@@ -127,45 +80,22 @@ class CostModel:
             _vector(GPU_PREDICTORS, roofline or {}, "roofline"),
         )
 
-    def level_ms(self, levels: LevelTable) -> tuple[FloatArray, FloatArray]:
-        """Return what the levels contribute to `object_ms`: milliseconds, and geometry.
+    @property
+    def has_roofline(self) -> bool:
+        """Whether any coefficient of the roofline is positive."""
+        return bool(self.roofline_ms.any())
 
-        The first, (L,), is linear cost whatever the view.  The second, (L, 2), is what meets the
-        pixels: milliseconds of the roofline, and triangles.
-        """
-        count = len(LEVEL_PREDICTORS)
-        geometry = np.column_stack(
-            (levels.counts @ self.roofline_ms[:count], levels.counts[:, _TRIANGLES])
-        )
-        return levels.counts @ self.linear_ms[:count], geometry
+    def unit_ms(self, predictor: str) -> float:
+        """Return the linear coefficient of a predictor, ms per unit."""
+        return float(self.linear_ms[GPU_PREDICTORS.index(predictor)])
 
-    def object_ms(
-        self,
-        linear: FloatArray,
-        geometry: FloatArray,
-        seen: Footprint,
-        pixel_share: float = 1.0,
-    ) -> FloatArray:
-        """Return the marginal cost of objects by level and footprint, (m,) or (m, L).
-
-        Parameters
-        ----------
-        linear, geometry
-            (m,) and (m, 2), or (m, L) and (m, L, 2) for L levels of each object: rows of what
-            `level_ms` returns.
-        pixel_share
-            Pixels of the picture over those of the window.
-        """
-        column = (slice(None), None) if linear.ndim == 2 else slice(None)
-        area_px = pixel_share * seen.area_px[column]
-        cost = linear + self.linear_ms[SHADED_SAMPLES] * area_px
-        if self.has_roofline:
-            cost = cost + np.maximum(geometry[..., 0], self.roofline_ms[SHADED_SAMPLES] * area_px)
-        if self.rasterized_ms:
-            covered_px = pixel_share * seen.covered_px[column]
-            reached = rasterized_triangles(geometry[..., 1], covered_px, seen.inside_share[column])
-            cost = cost + self.rasterized_ms * reached
-        return cost
+    def counted_ms(self, counts: Mapping[str, FloatArray]) -> FloatArray:
+        """Return what the base and the linear terms say of n frames' counts by predictor, (n,)."""
+        total = np.full(len(next(iter(counts.values()))), self.base_ms)
+        for name, ms in zip(GPU_PREDICTORS, self.linear_ms.tolist(), strict=True):
+            if ms > 0.0:
+                total = total + ms * counts[name]
+        return total
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,16 +104,24 @@ class CpuCostModel:
 
     base_ms: float
     linear_ms: FloatArray
+    _charged: list[tuple[str, float]] = field(init=False, repr=False)
+    _charged_work: list[tuple[str, float]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        size = (len(CPU_PREDICTORS),)
-        array = frozen_array(self.linear_ms, np.float64, size, "cpu linear_ms")
-        require_finite(array, "cpu linear_ms", low=0.0)
-        object.__setattr__(self, "linear_ms", array)
-        if not (np.isfinite(self.base_ms) and self.base_ms >= 0.0):
-            raise InputError(f"cpu base: expected milliseconds >= 0, got {self.base_ms}")
+        array = _checked(self.linear_ms, CPU_PREDICTORS, "cpu linear_ms")
+        _require_base(self.base_ms, "cpu base")
+        put = object.__setattr__
+        put(self, "linear_ms", array)
+        charged = [(n, ms) for n, ms in zip(CPU_PREDICTORS, array.tolist(), strict=True) if ms]
+        put(self, "_charged", charged)
+        put(self, "_charged_work", [term for term in charged if term[0] in _POLICY_WORK])
 
     @classmethod
     def of(cls, base_ms: float, linear: Mapping[str, float]) -> "CpuCostModel":
         """Build a model from milliseconds per unit by predictor name; raises InputError."""
         return cls(base_ms, _vector(CPU_PREDICTORS, linear, "cpu linear"))
+
+    def frame_ms(self, counts: Mapping[str, float]) -> tuple[float, float]:
+        """Return the time of a frame of these counts, and the policy's work's share of it, ms."""
+        select_ms = sum([ms * counts[name] for name, ms in self._charged_work])
+        return self.base_ms + sum([ms * counts[name] for name, ms in self._charged]), select_ms

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, Truth
 from ..selection import Selection
@@ -55,7 +56,8 @@ class Oracle:
     def foresee(self, truth: Truth) -> None:
         """Note the truth about the next frame."""
         if self._truth is None or truth.costs is not self._truth.costs:
-            self._choices = LevelChoices(self._scene, truth.costs, 1.0)
+            costs = FrameCost(truth.costs, self._scene.types.levels)
+            self._choices = LevelChoices(self._scene, costs, 1.0)
         self._truth = truth
 
     def select(self, view: View) -> Selection:

@@ -103,7 +103,7 @@ class GobbettiCustom:
         costs = self._costs
         assert costs is not None, "reset comes first"
         if not len(view):
-            return Selection(view.ids, np.zeros(0), predicted_ms=costs.frame_ms(view))
+            return Selection(view.ids, np.zeros(0), predicted_ms=costs.fixed_ms(view))
         frame = self._frame(view)
         point = self._solve(frame)
         work = Work(len(view), 2 * len(view) * point.iterations, point.iterations)
@@ -150,7 +150,7 @@ class GobbettiCustom:
                     f"gobbetti-custom: {what}: expected finite values, got {each[at]:g} for node "
                     f"{view.ids[at]} with {', '.join(f'{name} {value:g}' for name, value in pairs)}"
                 )
-        left_ms = self._budget_ms - costs.frame_ms(view)
+        left_ms = self._budget_ms - costs.fixed_ms(view)
         return _Frame(view, program, values, low, left_ms, float(results[1].sum()) <= left_ms)
 
     def _solve(self, frame: "_Frame") -> Point:
@@ -196,7 +196,7 @@ class GobbettiCustom:
         else:
             drawn = np.maximum(costs.resolution(view, detail), frame.low)
             spent_ms = frame.program.evaluate(drawn, frame.values)[1]
-            predicted_ms = costs.frame_ms(view) + float(spent_ms.sum())
+            predicted_ms = costs.fixed_ms(view) + float(spent_ms.sum())
         return Selection(view.ids, detail, work, predicted_ms=predicted_ms)
 
     def _note_failure(self, view: View, point: Point) -> None:

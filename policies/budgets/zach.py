@@ -100,7 +100,7 @@ class Zach:
         inside, seen = halves.groups.seen(view)
         everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
         left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
-        left_ms -= halves.costs.frame_ms(everything)
+        left_ms -= halves.costs.fixed_ms(everything)
         epsilon = self.epsilon if self.splitting else None
         plan = halves.groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
         if plan is None:

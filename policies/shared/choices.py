@@ -14,8 +14,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...base.errors import InputError
-from ...base.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
-from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.benefit import BASE_ERROR, level_primitives
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
@@ -80,14 +79,16 @@ def importance(view: View) -> FloatArray:
     return view.scene.importance[view.ids]
 
 
-def require_costs(scene: Scene, policy: str) -> CostModel:
-    """Return the scene's cost model; raise InputError if it has none."""
+def require_costs(scene: Scene, policy: str) -> FrameCost:
+    """Return what frames of the scene cost; raise InputError if it has no cost model."""
     if scene.costs is None:
-        raise InputError(f"{policy}: expected a scene with a cost model; use Scene.with_costs")
-    return scene.costs
+        raise InputError(
+            f"{policy}: expected a scene with a cost model, got none; bind one with with_costs"
+        )
+    return FrameCost(scene.costs, scene.types.levels)
 
 
-def make_choices(scene: Scene, costs: CostModel, exponent: float) -> Choices:
+def make_choices(scene: Scene, costs: FrameCost, exponent: float) -> Choices:
     """Return the alternatives of a scene; accuracy is ``1 - BASE_ERROR / samples^exponent``."""
     if scene.flat:
         return LevelChoices(scene, costs, exponent)
@@ -97,29 +98,26 @@ def make_choices(scene: Scene, costs: CostModel, exponent: float) -> Choices:
 class LevelChoices:
     """Levels of flat scenes, as tables of one row a type."""
 
-    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+    def __init__(self, scene: Scene, costs: FrameCost, exponent: float) -> None:
         levels = scene.types.levels
         self._costs = costs
         self._continuous = levels.continuous
-        kinds, width = len(levels.level_count), int(levels.level_count.max())
+        width = int(levels.level_count.max())
+        self._lacking = np.arange(width) >= levels.level_count[:, None]
         rows = levels.start[:-1, None] + np.arange(width)
-        real = np.arange(width) < levels.level_count[:, None]
-        rows = np.minimum(rows, levels.start[1:, None] - 1)
-        linear, geometry = costs.level_ms(levels)
-        self._linear_ms = np.where(real, linear[rows], np.inf)
-        self._geometry_ms = geometry[rows]
+        self._rows = rows = np.minimum(rows, levels.start[1:, None] - 1)
         self._samples = level_primitives(levels)[rows]
         self._accuracy = _accuracy(self._samples, exponent)
         self._resolution = levels.resolution[rows]
-        assert self._linear_ms.shape == (kinds, width)
 
     def offer(self, view: View, weight: Weight) -> Offer:
         """Return the levels of a view's candidates."""
         kind = view.type_index
-        cost_ms = self._costs.object_ms(self._linear_ms[kind], self._geometry_ms[kind], view)
+        cost_ms = self._costs.objects_ms(self._rows[kind], view)
+        cost_ms[self._lacking[kind]] = np.inf
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
-        fixed_ms = _fixed_ms(self._costs, view)
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind))
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
 
     def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
@@ -142,10 +140,9 @@ class _Fronts:
     Columns behind a root's coarsest front are that front at coarser knots.
     """
 
-    def __init__(self, scene: Scene, costs: CostModel, exponent: float) -> None:
+    def __init__(self, scene: Scene, costs: FrameCost, exponent: float) -> None:
         self._scene, self._costs = scene, costs
         tree, levels = Tree(scene), scene.types.levels
-        self._linear_ms, self._geometry_ms = costs.level_ms(levels)
         self._accuracy = _accuracy(level_primitives(levels), exponent)
         self._first_row = levels.start[:-1][scene.type_index]
         self._solid = tree.leaf | (tree.primitives > 0.0)
@@ -176,7 +173,7 @@ class _Fronts:
         deepest, coarser = self._deepest[view.ids], self._coarser[view.ids]
         for depth in range(-int(self._coarser.max()), int(self._deepest.max()) + 1):
             level = self._level_row(nodes, depth)
-            node_ms = self._costs.object_ms(self._linear_ms[level], self._geometry_ms[level], seen)
+            node_ms = self._costs.objects_ms(level, seen)
             member = self._member(nodes, max(depth, 0))
             has = (depth <= deepest) & (-depth <= coarser)
             total = np.bincount(row[member], node_ms[member], minlength=n)
@@ -184,7 +181,9 @@ class _Fronts:
             cost_ms[has, deepest[has] - depth] = total[has]
             benefit[has, deepest[has] - depth] = np.bincount(row[member], gain, minlength=n)[has]
         size = view.area_px * weight(view)
-        fixed_ms = _fixed_ms(self._costs, view)
+        # Every node may be of a type of its own, and which are drawn is open.
+        types = distinct(view.scene.type_index[view.state.inside])
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, types)
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
 
     def _level_row(self, nodes: IntArray, depth: int | IntArray) -> IntArray:
@@ -208,15 +207,9 @@ class _Fronts:
         return ids, np.where(scene.continuous[ids], resolution, 0.0)
 
 
-def _fixed_ms(costs: CostModel, view: View) -> float:
-    fixed_ms = costs.base_ms
-    fixed_ms += view.camera.viewport_px * float(costs.linear_ms[FRAMEBUFFER_PIXELS])
-    change_ms = float(costs.linear_ms[STATE_CHANGES])
-    if change_ms:
-        # In a hierarchy every node may be of a type of its own, and which are drawn is open.
-        types = view.type_index if view.scene.flat else view.scene.type_index[view.state.inside]
-        fixed_ms += change_ms * len(np.unique(types))
-    return fixed_ms
+def distinct(kind: IntArray) -> int:
+    """Return how many types there are among those of some nodes."""
+    return int(np.count_nonzero(np.bincount(kind)))
 
 
 def _accuracy(samples: FloatArray, exponent: float) -> FloatArray:

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ...base.predictors import FRAMEBUFFER_PIXELS, STATE_CHANGES
-from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.benefit import BASE_ERROR
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
@@ -129,30 +128,23 @@ class NodeCosts:
     charged once for every frame.
     """
 
-    __slots__ = ("_alone", "_costs", "_geometry_ms", "_linear_ms", "_shared")
+    __slots__ = ("_alone_ms", "_costs", "_row", "_shared")
 
-    def __init__(self, scene: Scene, costs: CostModel) -> None:
+    def __init__(self, scene: Scene, costs: FrameCost) -> None:
         levels = scene.types.levels
-        linear, geometry = costs.level_ms(levels)
-        row = levels.start[:-1][scene.type_index]
         self._costs = costs
+        self._row = levels.start[:-1][scene.type_index]
         users = np.bincount(scene.type_index, minlength=len(levels.level_count))
-        self._alone = users[scene.type_index] == 1
+        self._alone_ms = costs.model.unit_ms("state_changes") * (users[scene.type_index] == 1)
         self._shared = int(np.count_nonzero(users > 1))
-        change_ms = float(costs.linear_ms[STATE_CHANGES])
-        self._linear_ms = linear[row] + change_ms * self._alone
-        self._geometry_ms = geometry[row]
 
     def node_ms(self, view: View) -> FloatArray:
         """Return what each node of a view adds to the frame, (m,)."""
-        linear, geometry = self._linear_ms[view.ids], self._geometry_ms[view.ids]
-        return self._costs.object_ms(linear, geometry, view)
+        return self._costs.objects_ms(self._row[view.ids], view) + self._alone_ms[view.ids]
 
     def fixed_ms(self, view: View) -> float:
         """Return what the frame takes whatever is drawn: an upper bound as to shared types."""
-        linear = self._costs.linear_ms
-        fixed_ms = self._costs.base_ms + self._shared * float(linear[STATE_CHANGES])
-        return fixed_ms + view.camera.viewport_px * float(linear[FRAMEBUFFER_PIXELS])
+        return self._costs.fixed_ms(view.camera.viewport_px, self._shared)
 
 
 @dataclass(frozen=True, slots=True)

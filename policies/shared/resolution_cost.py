@@ -4,8 +4,8 @@ Between two knots of a level table every count is linear in the resolution r, so
 makes of a type ``linear(r) + max(geometry(r), pixel side)``.  Where the costs of all knots lie on
 a line, as with one draw call and so much a triangle, fixed and proportional parts are exact; where
 they do not (vertices that fall slower than triangles), the lowest line of the chord's slope that is
-nowhere below them stands for them, so that what is predicted from it is never too little.  The cost
-of rasterized triangles is concave in r, and a tangent stands for it.
+nowhere below them stands for them, so that what is predicted from it is never too little.  A line
+above them stands for the terms of the view too, such as a tangent for rasterized triangles.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
-from ...base.predictors import FRAMEBUFFER_PIXELS, SHADED_SAMPLES, STATE_CHANGES
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
 from ..view import View
+from .choices import distinct, require_costs
 from .discretise import nearest_level
 
 _LEAST_RESOLUTION = 1e-9
@@ -71,25 +70,17 @@ class ResolutionCosts:
 
     def __init__(self, scene: Scene, policy: str) -> None:
         """Raise InputError if the scene has no cost model; `policy` is named in the message."""
-        if scene.costs is None:
-            raise InputError(
-                f"{policy}: expected a scene with a cost model, got none; bind one with with_costs"
-            )
+        costs = self._costs = require_costs(scene, policy)
         levels = self._levels = scene.types.levels
-        self._costs = scene.costs
-        self._linear, self._geometry = scene.costs.level_ms(levels)
-        self._linear_line = _line_above(levels, self._linear)
-        self._geometry_line = _line_above(levels, self._geometry[:, 0])
-        self._full = self._geometry[levels.start[:-1], 1]
+        self._linear_line = _line_above(levels, costs.level_ms)
+        self._geometry_line = _line_above(levels, costs.geometry_ms)
         self._exact = self._linear_line.exact and self._geometry_line.exact
-        self._exact &= scene.costs.rasterized_ms == 0.0
+        self._exact &= costs.linear_in_detail
         self._low = np.maximum(levels.min_resolution, _LEAST_RESOLUTION)
 
-    def frame_ms(self, view: View) -> float:
+    def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object; every candidate's type is drawn."""
-        costs, types = self._costs, np.bincount(view.type_index, minlength=1)
-        ms = costs.base_ms + float(costs.linear_ms[FRAMEBUFFER_PIXELS]) * view.camera.viewport_px
-        return ms + float(costs.linear_ms[STATE_CHANGES]) * int(np.count_nonzero(types))
+        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""
@@ -98,7 +89,7 @@ class ResolutionCosts:
         # Two pieces make r = x₁ + x₂ - kink, at fixed + cost · x₁ + slow · (x₂ - kink).  The
         # constant slow · kink goes to the budget below, so that Σ cost · x is left to be paid.
         second = np.flatnonzero((cost > slow) & (low > bottom) & (slow > 0.0))
-        left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.frame_ms(view)
+        left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.fixed_ms(view)
         left_ms -= float(fixed.sum()) - float(slow[second] @ low[second])
         # Lines above the true cost may refuse full detail that fits, so that is asked of the model.
         if not self._exact and self.predict_ms(view, self.finest(view)) <= budget_ms:
@@ -117,8 +108,8 @@ class ResolutionCosts:
         rises less detail saves nothing, and the stretch that matters begins at its end: the paper's
         pixel bound.  From there on a candidate costs fixed + slope · r, all (m,).
         """
-        kind, costs = view.type_index, self._costs
-        pixel_ms = float(costs.roofline_ms[SHADED_SAMPLES]) * view.area_px
+        kind = view.type_index
+        pixel_ms = self._costs.pixel_ms * view.area_px
         slow, fast = self._linear_line.slope[kind], self._geometry_line.slope[kind]
         under = self._geometry_line.start[kind]
         # Resolution at which geometry, under + fast · r, overtakes the pixels.
@@ -126,40 +117,19 @@ class ResolutionCosts:
         bent = kink < 1.0
         # Before the kink the larger side is a constant: the pixels, or geometry that does not rise.
         hidden = np.where(bent, under, np.maximum(under, pixel_ms))
-        hidden += float(costs.linear_ms[SHADED_SAMPLES]) * view.area_px
         bottom = self.lowest(view)
-        if costs.rasterized_ms:
-            start, rise = self._tangent(view, bottom)
-            hidden, slow = hidden + start, slow + rise
+        start, rise = self._costs.view_line_above(kind, view, bottom)
+        hidden, slow = hidden + start, slow + rise
         cost = slow + np.where(bent, fast, 0.0)
         # Gobbetti and Bouvier's r_min = T_pix · A / (T_tri · n), never below the coarsest level.
         low = np.where(bent, np.maximum(kink, bottom), np.where(cost > 0.0, bottom, 1.0))
         return self._linear_line.start[kind] + hidden, slow, cost, low
 
-    def _tangent(self, view: View, bottom: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return start and slope of a line above the cost of rasterized triangles, both (m,).
-
-        Their number is concave in the number of triangles, so that every tangent lies above it.
-        This one touches where a triangle is as large as a sample.  Triangles go with the
-        resolution, but in a type that has splats too, whose line may lie lower.
-        """
-        triangles = self._full[view.type_index] * view.inside_share
-        samples = view.covered_px
-        at = np.clip(samples / np.maximum(triangles, 1.0), bottom, 1.0)
-        share = samples / np.maximum(at * triangles, 1e-9)
-        reached = -np.expm1(-share)
-        slope = triangles * (reached - share * np.exp(-share))
-        start = at * (triangles * reached - slope)
-        ms = self._costs.rasterized_ms
-        return ms * start, ms * slope
-
     def predict_ms(self, view: View, detail: FloatArray) -> float:
         """Return the frame's GPU time with the candidates at these details, exactly."""
         row, fraction = self._levels.position(view.type_index, detail)
-        linear = self._levels.interpolate(self._linear, row, fraction)
-        geometry = self._levels.interpolate(self._geometry, row, fraction)
-        objects_ms = self._costs.object_ms(linear, geometry, view)
-        return self.frame_ms(view) + float(objects_ms.sum())
+        objects_ms = self._costs.objects_ms(row, view, fraction=fraction)
+        return self.fixed_ms(view) + float(objects_ms.sum())
 
     def detail(self, view: View, resolution: FloatArray) -> FloatArray:
         """Return resolutions of continuous types, and the nearest level not above of others."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.predictors import FRAMEBUFFER_PIXELS
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ..view import View
 from .reports import Reports
@@ -28,11 +28,10 @@ class TimeLoops:
     """
 
     __slots__ = (
-        "_expected",
+        "_costs",
         "_margin",
         "_overhead_ms",
         "_pending",
-        "_pixel_ms",
         "_refused",
         "_reports",
         "_share_bounds_ms",
@@ -59,15 +58,14 @@ class TimeLoops:
         self._reports = Reports()
         self._units: list[float] = []
         self._refused, self._pending = False, 0.0
-        self._overhead_ms = self._pixel_ms = 0.0
+        self._overhead_ms, self._costs = 0.0, None
         # Without a cost model the roots are taken to fill the target.
         self.ms_per_unit = target_ms / float(units[scene.roots].sum())
         if scene.costs is not None:
-            linear, geometry = scene.costs.level_ms(scene.types.levels)
+            costs = self._costs = FrameCost(scene.costs, scene.types.levels)
             finest = scene.types.levels.start[:-1][scene.type_index]
-            known_ms = float((linear + geometry[:, 0])[finest].sum())
+            known_ms = float((costs.level_ms + costs.geometry_ms)[finest].sum())
             self._overhead_ms = scene.costs.base_ms
-            self._pixel_ms = float(scene.costs.linear_ms[FRAMEBUFFER_PIXELS])
             if known_ms > 0.0:
                 self.ms_per_unit = known_ms / float(units.sum())
         self.share_ms = max(target_ms - self._overhead_ms, 0.1 * target_ms)
@@ -75,8 +73,8 @@ class TimeLoops:
 
     def learn(self, view: View) -> None:
         """Take the newest report, if there is one, before a frame is chosen."""
-        if not self._units:
-            self._overhead_ms += self._pixel_ms * view.camera.viewport_px
+        if self._costs is not None and not self._units:
+            self._overhead_ms = self._costs.fixed_ms(view.camera.viewport_px, 0)
         frames, times_ms = self._reports.new(view.completed.gpu_ms, self._target_ms)
         if not len(frames):
             return

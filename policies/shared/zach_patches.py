@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..solvers.increment_forest import IncrementForest
@@ -47,14 +47,13 @@ class Patches:
 
     scene: Scene
     tree: Tree
-    costs: CostModel
+    costs: FrameCost
     member: BoolArray
     _nodes: IntArray = field(init=False)
     _above: IntArray = field(init=False)
     _depth: IntArray = field(init=False)
     _exponent: FloatArray = field(init=False)
     _root: IntArray = field(init=False)
-    _level_costs: tuple[FloatArray, FloatArray] = field(init=False)
 
     def __post_init__(self) -> None:
         scene, depth = self.scene, self.tree.depth
@@ -79,13 +78,13 @@ class Patches:
         put(self, "_depth", steps)
         put(self, "_exponent", (highest[root] - height).astype(np.float64))
         put(self, "_root", root)
-        put(self, "_level_costs", self.costs.level_ms(scene.types.levels))
 
     def offer(self, view: View) -> Offer:
         """Return the discrete nodes in view below the view's roots."""
         seen, above = self._in_view(view)
         level = self._level(seen)
-        cost_ms = self._level_ms(seen, level)
+        row = self.scene.types.levels.start[seen.type_index][:, None] + level
+        cost_ms = self.costs.objects_ms(row, seen)
         has_children = np.bincount(above[above >= 0], minlength=len(above)) > 0
         stays = self.scene.additive[seen.ids]
         layers = self._layers(seen.ids)
@@ -139,11 +138,6 @@ class Patches:
         """Return the level of each column, coarsest first; short chains repeat theirs, (m, L)."""
         last = self._last_level(seen)
         return np.minimum(np.arange(int(last.max(initial=0)) + 1)[::-1], last[:, None])
-
-    def _level_ms(self, seen: View, level: IntArray) -> FloatArray:
-        linear, geometry = self._level_costs
-        row = self.scene.types.levels.start[seen.type_index][:, None] + level
-        return self.costs.object_ms(linear[row], geometry[row], seen)
 
     def _layers(self, ids: IntArray) -> IntArray:
         depth = self._depth[ids]

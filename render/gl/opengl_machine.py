@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
-from ...base.predictors import LEVEL_PREDICTORS
-from ...models.machine.cost import rasterized_triangles
+from ...models.machine.cost_terms.catalog import VIEW_TERMS
+from ...models.machine.frame_cost import view_units
 from ...models.scene.tree import Tree
 from ...policies.view import View
 from ...sim.simulated_machine import FrameTimes, Submitted
@@ -20,10 +20,12 @@ from .draw_list import Counts, Frame, Picture
 from .renderer import Renderer, Timing
 from .timer_query import doubt_timer
 
+_EXPECTED = tuple(name for name in VIEW_TERMS if name != "shaded_samples")
+
 MEASURED = (
     *Counts.__dataclass_fields__,
     "shaded_samples",
-    "rasterized_triangles",
+    *_EXPECTED,
     "cpu_ms",
     "gpu_ms",
     "frame_ms",
@@ -32,12 +34,9 @@ MEASURED = (
 )
 """Columns of `GlMachine.rows`: counts, then medians of the repeats, then their extremes.
 
-All are the renderer's own but ``rasterized_triangles``, which no query tells: it is expected by the
-cost model of what was drawn.
+All are the renderer's own but the view's other terms, such as ``rasterized_triangles``, which no
+query tells: they are what the cost model expects of what was drawn.
 """
-
-
-_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 
 
 class GlMachine:
@@ -92,7 +91,7 @@ class GlMachine:
         middle = np.median(times, axis=0)
         if not 0.0 < middle[1] <= 1.05 * middle[2]:
             middle[1] = np.nan  # no result, or a counter that ran over
-        samples = timings[-1].shaded_samples, _expected(frame, picture)
+        samples = timings[-1].shaded_samples, *_expected(frame, picture)
         self._rows.extend(astuple(self._renderer.count(ready)))
         self._rows.extend((*samples, *middle, times[:, 2].min(), times[:, 2].max()))
         return FrameTimes(0.0, 0.0, float(middle[2]) if self._step_ms is None else self._step_ms)
@@ -113,13 +112,12 @@ class GlMachine:
             return [self._renderer.draw(frame) for _ in range(count)]
 
 
-def _expected(frame: Submitted, picture: Picture) -> float:
-    """Return how many of the triangles drawn should reach a sample."""
+def _expected(frame: Submitted, picture: Picture) -> list[float]:
+    """Return the units of the view's terms that cannot be measured, in the order of `MEASURED`."""
     view, scale = frame.view, frame.selection.render_scale
     seen = view if picture.ids is view.ids else view.at(picture.ids)
-    triangles = view.scene.types.levels.counts[picture.row, _TRIANGLES]
-    covered_px = scale * scale * seen.covered_px
-    return float(rasterized_triangles(triangles, covered_px, seen.inside_share).sum())
+    levels = view.scene.types.levels
+    return [view_units(name, levels, picture.row, seen, scale * scale) for name in _EXPECTED]
 
 
 def picture_of(frame: Submitted, *, full: bool = False) -> Picture:

@@ -2,7 +2,7 @@
 
 import math
 
-from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ...policies.shared.choices import LevelChoices, importance
 from ...policies.solvers.knapsack import hull_increments, relaxed_bound
@@ -17,7 +17,8 @@ class BenefitBound:
     knots, which is never less than it is).  Hierarchies have no bound: NaN.
     """
 
-    def __init__(self, scene: Scene, costs: CostModel, every: int) -> None:
+    def __init__(self, scene: Scene, costs: FrameCost, every: int) -> None:
+        # Alternatives of a hierarchy are fronts of uniform depth, whose optimum bounds no others.
         self._every = every if scene.flat else 0
         self._choices = LevelChoices(scene, costs, 1.0) if self._every else None
 
@@ -32,5 +33,6 @@ class BenefitBound:
         budget_ms = gpu_ms * (1.0 + 1e-12) - offer.fixed_ms
         soft = view.scene.continuous[view.ids]
         if soft.any():
+            # The hull over knots would be below the optimum: resolutions between them do better.
             return offer.smooth(soft).within(budget_ms)[1]
         return relaxed_bound(hull_increments(offer.cost_ms, offer.benefit), budget_ms)

@@ -27,6 +27,9 @@ class Extraction:
     borrowed: int = 0
 
 
+_NOTHING = Extraction()
+
+
 class IndexSets:
     """Which index set each of N nodes owns and draws; empty for scenes without continuous types."""
 
@@ -35,6 +38,7 @@ class IndexSets:
     def __init__(self, scene: Scene) -> None:
         self._levels = scene.types.levels
         self._continuous = scene.continuous if self._levels.continuous.any() else None
+        # Discrete scenes own nothing, so that a replay of them keeps no arrays.
         nodes = 0 if self._continuous is None else len(scene)
         self._owned = np.full(nodes, np.nan)
         self._drawn_of = np.full(nodes, -1, dtype=np.int32)
@@ -48,14 +52,17 @@ class IndexSets:
             If a node borrows from a holder whose index set has another resolution.
         """
         if self._continuous is None or not len(drawn.ids):
-            return Extraction()
+            return _NOTHING
         soft = np.flatnonzero(self._continuous[drawn.ids])
         ids, detail = drawn.ids[soft], drawn.detail[soft]
+        # Who names no holder draws an index set of its own.
         holder = ids if selection.holder is None else selection.holder[soft]
         own = holder == ids
         extracted = np.flatnonzero(own & (self._owned[ids] != detail))
+        # Before the check, so that a holder and its borrowers may change in the same frame.
         self._owned[ids[own]] = detail[own]
         _require_same(ids, holder, detail, self._owned)
+        # To go on borrowing from the same node changes no reference, and is free.
         borrowed = int(np.count_nonzero(~own & (self._drawn_of[ids] != holder)))
         self._drawn_of[ids] = holder
         return Extraction(len(extracted), self._triangles(drawn, soft[extracted]), borrowed)

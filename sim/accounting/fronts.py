@@ -25,6 +25,7 @@ class Fronts:
         self._error_m = levels.error_m[levels.start[:-1]][tree.scene.type_index]
         self._drawn = np.zeros(n, dtype=np.bool_)
         self._inside = np.zeros(n, dtype=np.bool_)
+        # Before the start by more than a reversal takes, so that no first switch is one.
         self._switch_ns = np.full(n, -REVERSAL_NS - 1, dtype=np.int64)
 
     def record(self, time_ns: int, ids: IntArray, view: View) -> SwitchCounts:
@@ -36,14 +37,18 @@ class Fronts:
         both = inside & self._inside
         came = np.flatnonzero(now & ~self._drawn & both)
         went = np.flatnonzero(self._drawn & ~now & both)
+        # Nearest ancestors that ceased to be drawn gave way, and those that are drawn anew take
+        # their place back; one that stays drawn beside its children (additive) did neither.
         refined = self._tree.first_in(self._drawn & ~now, came)
         coarsened = self._tree.first_in(now & ~self._drawn, went)
+        # A node that gives way to many children is found once for each of them.
         switched = np.unique(np.concatenate((refined, coarsened)))
         switched = switched[switched >= 0]
         reversals = np.count_nonzero(time_ns - self._switch_ns[switched] <= REVERSAL_NS)
         self._switch_ns[switched] = time_ns
         popping_px = self._popping(view, came, refined) + self._popping(view, went, coarsened)
         self._drawn = now
+        # The culler fills the same array again in the next frame.
         self._inside = inside.copy()
         return SwitchCounts(len(switched), int(reversals), popping_px)
 
@@ -53,5 +58,6 @@ class Fronts:
             return 0.0
         seen = view.at(finer)
         px_per_m: FloatArray = view.camera.focal_px * self._tree.scene.scale[finer]
+        # As large as the finer node is on the screen: there the picture changes.
         step = np.abs(self._error_m[coarser] - self._error_m[finer]) * px_per_m / seen.nearest_m
         return float(step @ seen.area_px) / self._viewport_px

@@ -1,7 +1,6 @@
 """Error, benefit and degradation of what a frame shows, beside those of full detail."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,7 @@ from ...policies.view import View
 from .switches import Drawn
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
+class Quality(NamedTuple):
     """Sums over one frame; `missing` counts objects (units of a tree) of which nothing is drawn.
 
     What is missing has no benefit, and degrades as if it were drawn with a single primitive.
@@ -33,6 +31,7 @@ def screen_errors(drawn: Drawn) -> tuple[float, float]:
     if not len(drawn.ids):
         return 0.0, 0.0
     sse_px = drawn.error_m * drawn.px_per_m
+    # Only the rank is needed: partition is O(n), where a sort or a quantile is not.
     rank = int(0.95 * (len(sse_px) - 1))
     sse_px.partition(rank)
     return float(sse_px[rank]), float(sse_px[rank:].max())
@@ -59,6 +58,7 @@ class FlatQuality:
 
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
+        # Where all candidates are drawn, what is drawn weighs as much as what could be.
         weight = whole = self._weight(units.ids, units.area_px)
         full_row = self._finest.take(units.type_index)
         full = np.zeros(len(units)) if self._any_continuous else None
@@ -68,6 +68,7 @@ class FlatQuality:
         benefit, degradation = self._sums(weight, drawn.row, drawn.fraction)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
+            # One primitive for each that is missing: its whole weight, over 1.
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
@@ -76,6 +77,7 @@ class FlatQuality:
     ) -> tuple[float, float]:
         """Return the weighted sums of accuracy and of one over primitives."""
         if fraction is None:
+            # Sums by level before they meet the tables, as many objects share one.
             # numpy's stubs say that bincount returns integers with weights too.
             per_row: Any = np.bincount(row, weight, len(self._primitives))
             sums = np.add.reduce(self._per_level * per_row, axis=1)
@@ -109,12 +111,15 @@ class TreeQuality:
         tree, levels = self._tree, self._tree.scene.types.levels
         weight = units.area_px * tree.scene.importance[units.ids]
         now = np.zeros(len(tree.scene))
+        # Interpolated at knots where all nodes are discrete: one path for both.
         fraction = np.zeros(len(drawn.ids)) if drawn.fraction is None else drawn.fraction
         now[drawn.ids] = levels.interpolate(level_primitives(levels), drawn.row, fraction)
         cover = tree.cover(drawn.ids)[units.ids]
         full = tree.primitives[units.ids]
+        # Of a unit that is drawn itself the share is 1, whatever stands below it (additive nodes).
         below = np.maximum(tree.leaf_primitives[cover], 1.0)
         share = np.where(cover == units.ids, 1.0, full / below)
+        # Nothing drawn above or at a unit is no samples: benefit 0, degradation as of one.
         samples = np.where(cover >= 0, now[cover] * share, 0.0)
         return Quality(
             float((weight * _accuracy(samples)).sum()),

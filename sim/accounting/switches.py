@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
+from ...models.machine.cost_terms.term import Footprint
 
 REVERSAL_NS = 500_000_000
 """A switch undone within half a second is a reversal (three.js issue 14565 is the complaint)."""
@@ -30,23 +31,26 @@ class Drawn:
         Row of the level table; with `fraction`, where between it and the next row.
     fraction : float64 or None
         None where every drawn node is discrete.
-    area_px : float64
+    seen : Footprint
+        Of these nodes in the window; `area_px` is its.
     error_m : float64
         Geometric error of the level, before scale.
     px_per_m : float64
         Screen-space error in px of one metre of error before scale, at the node's nearest point.
-    reach : pair of float64 arrays, or None
-        `Footprint.covered_px` and `Footprint.inside_share`; None where nothing is charged by them.
     """
 
     ids: IntArray
     detail: FloatArray
     row: NDArray[np.int64]
     fraction: FloatArray | None
-    area_px: FloatArray
+    seen: Footprint
     error_m: FloatArray
     px_per_m: FloatArray
-    reach: tuple[FloatArray, FloatArray] | None = None
+
+    @property
+    def area_px(self) -> FloatArray:
+        """Projected area of each node's bounding sphere, (m,)."""
+        return self.seen.area_px
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +97,11 @@ class Switches:
         # Frame and row of the last drawing in one number, so that one comparison tells the many
         # nodes that go on unchanged from the few that do not.
         self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
+        # No row is -1: what has never toggled cannot return.
         self._from_row = np.full(nodes, -1, dtype=np.int32)
         self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
         self._error_m = np.zeros(nodes)
+        # Without cross-fades nothing is kept for them.
         fading = nodes if crossfade_ns else 0
         self._fade_end_ns = np.zeros(fading, dtype=np.int64)
         self._fade_row = np.zeros(fading, dtype=np.int64)
@@ -110,11 +116,13 @@ class Switches:
         self._stamp[ids] = drawn.row + (frame << _ROW_BITS)
         other = before != drawn.row + ((frame - 1) << _ROW_BITS)
         if drawn.fraction is not None:
+            # The same row at another fraction pops too.
             other |= self._detail.take(ids) != drawn.detail
         at = other.nonzero()[0]
         if not len(at):
-            return SwitchCounts()
+            return _NO_SWITCHES
         before = before[at]
+        # Drawn in the frame before, or it came into view, which is no switch.
         known = before >> _ROW_BITS == frame - 1
         counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
         changed = ids[at]
@@ -127,12 +135,14 @@ class Switches:
     ) -> SwitchCounts:
         """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
         if not len(at):
-            return SwitchCounts()
+            return _NO_SWITCHES
         step = np.abs(drawn.error_m[at] - self._error_m[drawn.ids[at]]) * drawn.px_per_m[at]
         popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
         new_row = drawn.row[at]
+        # Between two knots detail changes, and the picture with it, but no level is switched.
         passed = old_row != new_row
         ids, new_row, old_row = drawn.ids[at][passed], new_row[passed], old_row[passed]
+        # Both before they are overwritten by this toggle.
         undone = (self._from_row[ids] == new_row) & (time_ns - self._switch_ns[ids] <= REVERSAL_NS)
         self._from_row[ids] = old_row
         self._switch_ns[ids] = time_ns
@@ -149,6 +159,7 @@ class Switches:
         return at, self._fade_row[ids[at]]
 
 
+_NO_SWITCHES = SwitchCounts()
 _ROW_BITS = 31
 _ROW_MASK = (1 << _ROW_BITS) - 1
 _NOWHERE = np.empty(0, dtype=np.intp)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
+from lodbench.sim.frame_log import CONSTANT, COUNTS, TIMES, CountRows, FrameLog, LogHeader
 
 HEADER = LogHeader("policy", "scene", "trace", "machine", 10.0, 0, "immediate", 60.0, 1e9)
 
@@ -36,3 +36,28 @@ def test_tables_of_another_shape_are_refused(
     """Rows must agree, and columns be those of the schema."""
     with pytest.raises(InputError, match="frame log: expected 5 times and"):
         FrameLog(HEADER, np.zeros(times, dtype=np.int64), np.zeros(counts))
+
+
+def test_rows_are_given_by_name() -> None:
+    """Whatever the order of names, values land in their columns; what is constant in none."""
+    rows = CountRows()
+    names = [*reversed(COUNTS), *CONSTANT]
+    for frame in range(2):
+        rows.append({name: 100.0 * frame + k for k, name in enumerate(names)})
+    table = rows.table()
+    assert table.shape == (2, len(COUNTS))
+    assert table[0].tolist() == list(range(len(COUNTS)))[::-1]
+    assert (table[1] - table[0]).tolist() == [100.0] * len(COUNTS)
+
+
+def test_rows_of_other_names_are_refused() -> None:
+    """A name that is missing, and one that is no column, are named, and no frame is added."""
+    rows, row = CountRows(), dict.fromkeys((*COUNTS, *CONSTANT), 0.0)
+    with pytest.raises(KeyError, match="lag_ms"):
+        rows.append(row | {"lag_ms": 0.0})
+    del row["toggles"]
+    with pytest.raises(KeyError, match="toggles"):
+        rows.append(row)
+    with pytest.raises(KeyError, match="toggles"):
+        rows.append(row | {"lag_ms": 0.0})
+    assert len(rows.table()) == 0

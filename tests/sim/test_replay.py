@@ -55,6 +55,20 @@ def test_apparent_speed_of_a_moving_node(
     assert seen == pytest.approx([0.0, angle / 0.1])
 
 
+def test_the_time_since_the_last_frame_is_told(
+    run: Run, scripted: MakePolicy, make_hardware: MakeHardware
+) -> None:
+    """On frames of 100 ms a policy hears 0 first, and then 0.1 s each, not the time so far."""
+    steps: list[float] = []
+
+    def watch(view: View, selection: Selection) -> Selection:
+        steps.append(view.state.step_s)
+        return selection
+
+    run(scripted([0], watch), 4, hardware=make_hardware({}, base_ms=1e-6, cpu_base_ms=100.0))
+    assert steps == pytest.approx([0.0, 0.1, 0.1, 0.1])
+
+
 def test_predictions_are_noted(run: Run, scripted: MakePolicy) -> None:
     """What a policy predicts stands beside what the frame took."""
     assert run(scripted([0], predicted_ms=1.75))["predicted_gpu_ms"][0] == 1.75

@@ -11,7 +11,6 @@ from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.validation.validate import (
     Measured,
     Pair,
-    price_ms,
     require_other_frames,
     require_priced,
     validate,
@@ -161,13 +160,6 @@ def test_what_cannot_be_priced_is_refused(replays: Replays) -> None:
         require_priced(replace(profile, gpu=CostModel.of(0.0, {"splats": 1.0})))
     with pytest.raises(InputError, match="got a roofline"):
         require_priced(replace(profile, gpu=CostModel.of(0.0, {}, {"triangles": 1.0})))
-
-
-def test_prices_by_hand() -> None:
-    """Base and counts add up."""
-    counts = {"triangles": np.array([10.0, 20.0]), "draw_calls": np.array([1.0, 2.0])}
-    costs = CostModel.of(3.0, {"triangles": 0.5, "draw_calls": 1.0})
-    assert price_ms(costs, counts) == pytest.approx([9.0, 15.0])
 
 
 def test_a_recording_of_warm_up_alone_is_refused(replays: Replays) -> None:

@@ -1,25 +1,19 @@
-"""Cost models: coefficients by name, and costs by hand."""
+"""Cost models: coefficients by name, what may not be one, and prices of counts."""
 
 import math
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from lodbench.base.arrays import FloatArray
 from lodbench.base.errors import InputError
 from lodbench.base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
-from lodbench.models.machine.cost import CostModel, CpuCostModel, rasterized_triangles
-from lodbench.models.scene.levels import LevelTable
-
-MakeLevels = Callable[..., LevelTable]
+from lodbench.models.machine.cost import CostModel, CpuCostModel
 
 
 def test_coefficients_stand_in_the_order_of_the_predictors() -> None:
     """A coefficient by name lands in its column; the others are 0."""
     model = CostModel.of(2.0, {"triangles": 3.0}, {"shaded_samples": 4.0})
-    assert model.linear_ms[GPU_PREDICTORS.index("triangles")] == 3.0
+    assert model.linear_ms[GPU_PREDICTORS.index("triangles")] == model.unit_ms("triangles") == 3.0
     assert model.linear_ms.sum() == 3.0
     assert model.roofline_ms[GPU_PREDICTORS.index("shaded_samples")] == 4.0
     assert model.has_roofline
@@ -28,54 +22,25 @@ def test_coefficients_stand_in_the_order_of_the_predictors() -> None:
     assert cpu.linear_ms[CPU_PREDICTORS.index("comparisons")] == 5.0
 
 
-class Seen(NamedTuple):
-    """A footprint."""
+def test_counted_frames_by_hand() -> None:
+    """Base and counts add up, and what costs nothing need not be counted."""
+    counts = {"triangles": np.array([10.0, 20.0]), "draw_calls": np.array([1.0, 2.0])}
+    costs = CostModel.of(3.0, {"triangles": 0.5, "draw_calls": 1.0})
+    assert costs.counted_ms(counts) == pytest.approx([9.0, 15.0])
 
-    area_px: FloatArray
-    covered_px: FloatArray
-    inside_share: FloatArray
 
+def test_cpu_frames_by_hand() -> None:
+    """Of 1 + 2·5 + 3·0.5 + 4·0.25 + 7·0.125 ms, all but the first and last are the policy's.
 
-def test_costs_of_levels_and_objects_by_hand(make_levels: MakeLevels) -> None:
-    """Linear and pixel costs add up; of geometry and pixels in the roofline the larger counts."""
-    model = CostModel.of(
-        0.0,
-        {"triangles": 1e-3, "draw_calls": 0.5, "shaded_samples": 1e-4},
-        {"triangles": 2e-3, "shaded_samples": 1e-2},
+    A count that is charged and not given is an error, never 0.
+    """
+    model = CpuCostModel.of(
+        1.0, {"objects_visited": 5.0, "comparisons": 0.5, "iterations": 0.25, "draw_calls": 0.125}
     )
-    linear, geometry = model.level_ms(make_levels([(1000, 100)]))
-    assert linear == pytest.approx([1.5, 0.6])
-    assert geometry == pytest.approx(np.array(((2.0, 1000.0), (0.2, 100.0))))
-    area = np.array([50.0, 50.0])
-    cost = model.object_ms(linear, geometry, Seen(area, area, np.ones(2)))
-    assert cost == pytest.approx([1.5 + 0.005 + 2.0, 0.6 + 0.005 + 0.5])
-
-
-def test_rasterized_triangles_by_simulation() -> None:
-    """Samples thrown at triangles at random reach as many of them as the formula says."""
-    rng = np.random.default_rng(1)
-    triangles, samples = 200, 150
-    hit = [len(np.unique(rng.integers(triangles, size=samples))) for _ in range(4000)]
-    covered = np.array([float(samples)])
-    expected = rasterized_triangles(np.array([float(triangles)]), covered, np.ones(1))
-    assert expected[0] == pytest.approx(np.mean(hit), rel=0.003)
-
-
-def test_rasterized_triangles_have_their_limits() -> None:
-    """Far away each sample reaches its own triangle; near by all in the picture are."""
-    triangles = np.array([1e6, 10.0, 0.0, 10.0])
-    covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
-    found = rasterized_triangles(triangles, covered, inside)
-    assert found == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
-
-
-def test_rasterized_triangles_are_charged_each(make_levels: MakeLevels) -> None:
-    """A cost per rasterized triangle is added for what the level and the view come to."""
-    model = CostModel.of(0.0, {"triangles": 1e-3, "rasterized_triangles": 1e-2})
-    linear, geometry = model.level_ms(make_levels([(100,)]))
-    covered = np.array([100.0])
-    cost = model.object_ms(linear, geometry, Seen(covered, covered, np.ones(1)))
-    assert cost == pytest.approx([0.1 + 1.0 * -math.expm1(-1.0)])
+    counts = {"objects_visited": 2, "comparisons": 3, "iterations": 4, "draw_calls": 7}
+    assert model.frame_ms(counts) == (1.0 + 10.0 + 1.5 + 1.0 + 0.875, 10.0 + 1.5 + 1.0)
+    with pytest.raises(KeyError, match="draw_calls"):
+        model.frame_ms({name: n for name, n in counts.items() if name != "draw_calls"})
 
 
 @pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf])

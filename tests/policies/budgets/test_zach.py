@@ -52,11 +52,11 @@ def groups(trees: float, splats: float) -> LevelTable:
 
 
 def true_ms(view: View, selection: Selection, costs: CostModel) -> float:
-    """Return what a selection costs, from the counts of its levels."""
+    """Return what a selection costs, from the counts of its levels (linear, whatever the view)."""
     levels, seen = view.scene.types.levels, view.at(selection.ids)
     row, fraction = levels.position(seen.type_index, selection.detail)
-    linear, geometry = (levels.interpolate(c, row, fraction) for c in costs.level_ms(levels))
-    return costs.base_ms + float(costs.object_ms(linear, geometry, seen).sum())
+    counts = levels.interpolate(levels.counts, row, fraction).sum(axis=0)
+    return costs.base_ms + float(counts @ costs.linear_ms[: len(counts)])
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lodbench.models.machine.cost import CostModel
+from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.shared.hierarchy import Gains, Hierarchy, NodeCosts, gains
 
@@ -91,11 +92,16 @@ def test_empty_children_are_as_good_as_what_is_below_them(
     assert np.flatnonzero(Hierarchy(scene).waits(view)).tolist() == [0, 1]
 
 
+def node_costs(scene: Scene, model: CostModel) -> NodeCosts:
+    """Return what the nodes of a scene cost by a model."""
+    return NodeCosts(scene, FrameCost(model, scene.types.levels))
+
+
 def test_costs_of_nodes_and_of_the_frame(three_levels: Make, make_tree_view: Make) -> None:
     """A node costs its triangles and, alone of its type, a change of state; the rest is fixed."""
     scene = three_levels()
     view = make_tree_view(scene)
-    costs = NodeCosts(scene, COSTS)
+    costs = node_costs(scene, COSTS)
     assert costs.node_ms(view.at(np.array([0, 2]))) == pytest.approx([0.26, 0.28])
     assert costs.fixed_ms(view) == pytest.approx(1.0 + 0.1)
 
@@ -107,13 +113,13 @@ def test_shared_types_change_state_once_a_frame(
     scene = make_scene(
         [(0.0, 0.0, -10.0)] * 3, kind=[0, 1, 1], parent=[-1, 0, 0], levels=make_levels([[8], [9]])
     )
-    costs, view = NodeCosts(scene, COSTS), make_tree_view(scene)
+    costs, view = node_costs(scene, COSTS), make_tree_view(scene)
     assert costs.node_ms(view.at(np.array([0, 1]))) == pytest.approx([0.258, 0.009])
     assert costs.fixed_ms(view) == pytest.approx(1.0 + 0.1 + 0.25)
 
 
 def _gains(scene: Scene, view: Any) -> Gains:
-    return gains(Hierarchy(scene), NodeCosts(scene, CostModel.of(0.0, {"triangles": 1.0})), view)
+    return gains(Hierarchy(scene), node_costs(scene, CostModel.of(0.0, {"triangles": 1.0})), view)
 
 
 def test_benefit_is_that_of_the_leaves_in_view(three_levels: Make, make_tree_view: Make) -> None:

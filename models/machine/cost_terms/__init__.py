@@ -1,0 +1,1 @@
+"""What a GPU's cost model counts beside the levels' own counts: one term a file."""

@@ -1,0 +1,241 @@
+"""What a frame costs: the only place where one is priced.
+
+The simulator charges by it, policies predict by it, and checks and bounds compare with it, each
+from what it knows: a whole frame, or each object at each of its levels.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...base.arrays import FloatArray, IntArray
+from ...base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from ..scene.levels import LevelTable
+from .cost import CostModel
+from .cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
+from .cost_terms.term import Footprint, FrameShape, ViewTerm
+
+_SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
+
+
+class Price(NamedTuple):
+    """GPU time of a whole frame, and what it was counted by.
+
+    Attributes
+    ----------
+    gpu_ms : float
+        Noise-free.
+    times_drawn : (L,) float64
+        How often each level is drawn, shared between the two about a resolution.
+    counts : dict of str to float
+        Units of the view's and the frame's terms, by predictor; NaN where a term costs nothing and
+        its units take time to count.
+    """
+
+    gpu_ms: float
+    times_drawn: FloatArray
+    counts: dict[str, float]
+
+
+class _Term(NamedTuple):
+    """A view's term, its price, and the columns of the level table that it reads."""
+
+    name: str
+    term: ViewTerm
+    unit_ms: float
+    columns: tuple[FloatArray, ...]
+
+
+class FrameCost:
+    """Prices of frames that draw levels of one table, by one cost model.
+
+    Rows are those of the level table.  With fractions, (m,), a row stands for what lies so far on
+    the way to the next one.
+
+    Attributes
+    ----------
+    model : CostModel
+    levels : LevelTable
+    level_ms, geometry_ms : (L,) float64
+        What each level costs whatever the view, and the geometry side of its roofline.
+    pixel_ms : float
+        Pixel side of the roofline, per pixel of projected area.
+    linear_in_detail : bool
+        Whether no term of the view depends on the level.
+    """
+
+    def __init__(self, model: CostModel, levels: LevelTable) -> None:
+        self.model, self.levels = model, levels
+        width = len(LEVEL_PREDICTORS)
+        self.level_ms = levels.counts @ model.linear_ms[:width]
+        self.geometry_ms = levels.counts @ model.roofline_ms[:width]
+        self.pixel_ms = float(model.roofline_ms[_SHADED_SAMPLES])
+        self._has_roofline = model.has_roofline
+        self._first = levels.start[:-1].astype(np.int64)
+        terms = [
+            _Term(name, term, model.unit_ms(name), tuple(map(self._column, term.reads)))
+            for name, term in VIEW_TERMS.items()
+        ]
+        self._charged = [term for term in terms if term.unit_ms]
+        self._counted = [term for term in terms if term.unit_ms or term.term.logged_free]
+        self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in self._counted}, np.nan)
+        self._frame_terms = [
+            (name, term, model.unit_ms(name)) for name, term in FRAME_TERMS.items()
+        ]
+        self._summed = _by_unit(model)
+        self.linear_in_detail = not any(term.columns for term in self._charged)
+
+    def _column(self, predictor: str) -> FloatArray:
+        return np.ascontiguousarray(self.levels.counts[:, LEVEL_PREDICTORS.index(predictor)])
+
+    def frame(
+        self,
+        row: IntArray,
+        seen: Footprint,
+        viewport_px: float,
+        *,
+        fraction: FloatArray | None = None,
+        pixel_share: float = 1.0,
+    ) -> Price:
+        """Return the price of a frame that draws these rows.
+
+        Parameters
+        ----------
+        row, fraction
+            (m,) each.
+        seen
+            Where the m objects are in the window.
+        viewport_px
+            Pixels of the window.
+        pixel_share
+            Pixels of the picture as it is rendered over those of the window.
+        """
+        times_drawn = self._times_drawn(row, fraction)
+        types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
+        if pixel_share != 1.0:
+            seen = _InPicture(seen, pixel_share)
+        counts = self._uncounted.copy()
+        for term in self._counted:
+            counts[term.name] = float(self._units(term, row, fraction, seen).sum())
+        shape = FrameShape(pixel_share * viewport_px, types)
+        for name, term, _ in self._frame_terms:
+            counts[name] = term.count(shape)
+        # Level by level, as many objects share one; sums do without BLAS, whose threads add up in
+        # an order of their own.
+        ms = self.model.base_ms + float((times_drawn * self.level_ms).sum())
+        for terms in self._summed:
+            ms += sum([unit_ms * counts[name] for name, unit_ms in terms])
+        if self._has_roofline:
+            geometry = self._at(self.geometry_ms, row, fraction)
+            ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
+        return Price(ms, times_drawn, counts)
+
+    def counts(self, price: Price) -> dict[str, float]:
+        """Return the units of a priced frame by GPU predictor."""
+        levels = np.einsum("l,lp->p", price.times_drawn, self.levels.counts).tolist()
+        return dict(zip(LEVEL_PREDICTORS, levels, strict=True)) | price.counts
+
+    def fixed_ms(self, viewport_px: float, types: int) -> float:
+        """Return what a frame of so many distinct types costs before its first object."""
+        shape = FrameShape(viewport_px, types)
+        ms = self.model.base_ms
+        for _, term, unit_ms in self._frame_terms:
+            ms += unit_ms * term.count(shape)
+        return ms
+
+    def objects_ms(
+        self,
+        row: IntArray,
+        seen: Footprint,
+        *,
+        fraction: FloatArray | None = None,
+        pixel_share: float = 1.0,
+    ) -> FloatArray:
+        """Return the marginal cost of objects: (m,), or (m, L) for L rows of each object."""
+        picture = _InPicture(seen, pixel_share, beside=row.ndim == 2)
+        ms = self._at(self.level_ms, row, fraction)
+        for term in self._charged:
+            ms = ms + term.unit_ms * self._units(term, row, fraction, picture)
+        if self._has_roofline:
+            geometry = self._at(self.geometry_ms, row, fraction)
+            ms = ms + np.maximum(geometry, self.pixel_ms * picture.area_px)
+        return ms
+
+    def view_line_above(
+        self, kind: IntArray, seen: Footprint, lowest: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return start and slope over resolution, (m,), of lines above what the view's terms cost.
+
+        Of m objects of types `kind`, from their lowest resolutions to 1 (`ViewTerm.line_above`).
+        """
+        start, slope = np.zeros((2, len(kind)))
+        for _, term, unit_ms, columns in self._charged:
+            full = [column[self._first[kind]] for column in columns]
+            above, rise = term.line_above(full, seen, lowest)
+            start, slope = start + unit_ms * above, slope + unit_ms * rise
+        return start, slope
+
+    def _units(
+        self, term: _Term, row: IntArray, fraction: FloatArray | None, seen: Footprint
+    ) -> FloatArray:
+        return term.term.count([self._at(c, row, fraction) for c in term.columns], seen)
+
+    def _at(self, column: FloatArray, row: IntArray, fraction: FloatArray | None) -> FloatArray:
+        if fraction is None:
+            return column.take(row)
+        return self.levels.interpolate(column, row, fraction)
+
+    def _times_drawn(self, row: IntArray, fraction: FloatArray | None) -> FloatArray:
+        count = len(self.level_ms)
+        if fraction is None:
+            return np.bincount(row, minlength=count).astype(np.float64)
+        # numpy's stubs say that bincount returns integers with weights too.
+        low: Any = np.bincount(row, 1.0 - fraction, count)
+        high: Any = np.bincount(np.minimum(row + 1, count - 1), fraction, count)
+        return low + high
+
+
+def _by_unit(model: CostModel) -> list[list[tuple[str, float]]]:
+    """Return names and prices of the terms that cost something, those of one unit together.
+
+    Another order of additions would change the last bits of results, and who wins where two tie.
+    """
+    groups: dict[str, list[tuple[str, float]]] = {}
+    for name, term in (VIEW_TERMS | FRAME_TERMS).items():
+        if model.unit_ms(name):
+            groups.setdefault(term.unit, []).append((name, model.unit_ms(name)))
+    return list(groups.values())
+
+
+def view_units(
+    predictor: str, levels: LevelTable, row: IntArray, seen: Footprint, pixel_share: float = 1.0
+) -> float:
+    """Return how many units of a view's term a frame that draws these rows has, whatever it costs.
+
+    Raises KeyError if the predictor is no term of the view.
+    """
+    term = VIEW_TERMS[predictor]
+    level = [levels.counts[row, LEVEL_PREDICTORS.index(name)] for name in term.reads]
+    return float(term.count(level, _InPicture(seen, pixel_share)).sum())
+
+
+class _InPicture:
+    """A footprint in a picture of another size, its arrays (m, 1) where levels stand beside."""
+
+    __slots__ = ("_at", "_seen", "_share")
+
+    def __init__(self, seen: Footprint, pixel_share: float, *, beside: bool = False) -> None:
+        self._seen, self._share = seen, pixel_share
+        self._at = (slice(None), None) if beside else (slice(None),)
+
+    @property
+    def area_px(self) -> FloatArray:
+        return self._share * self._seen.area_px[self._at]
+
+    @property
+    def covered_px(self) -> FloatArray:
+        return self._share * self._seen.covered_px[self._at]
+
+    @property
+    def inside_share(self) -> FloatArray:
+        return self._seen.inside_share[self._at]

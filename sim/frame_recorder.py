@@ -1,0 +1,161 @@
+"""What each frame of a replay draws, costs and shows: counted, timed, and logged by name."""
+
+import math
+from dataclasses import replace
+
+from ..base.arrays import BoolArray
+from ..base.errors import PolicyError
+from ..models.machine.cost import CostModel
+from ..models.machine.frame_cost import FrameCost
+from ..models.scene.camera import Camera
+from ..models.scene.scene import Scene
+from ..models.scene.tree import Tree
+from ..policies.selection import Selection, Work
+from ..policies.view import View
+from .accounting.accounting import Accounting
+from .accounting.benefit_bound import BenefitBound
+from .accounting.extraction import Extraction, IndexSets
+from .accounting.fronts import Fronts
+from .accounting.quality import FlatQuality, TreeQuality, screen_errors
+from .accounting.switches import Drawn
+from .frame_log import CountRows
+from .loader import Memory
+from .replay_options import ReplayOptions
+from .simulated_machine import Machine, Submitted
+
+_NS_PER_MS = 1e6
+
+
+class FrameRecorder:
+    """Keeps the accounts of one replay, under the cost model that is true there.
+
+    Attributes
+    ----------
+    rows : CountRows
+        What was recorded.
+    last_detail : (N,) float64
+        Detail at which each node was last drawn; NaN if never.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        tree: Tree | None,
+        truth: CostModel,
+        options: ReplayOptions,
+        camera: Camera,
+        machine: Machine,
+        memory: Memory,
+        *,
+        policy: str,
+        future: bool,
+    ) -> None:
+        costs = FrameCost(truth, scene.types.levels)
+        self._accounting = Accounting(
+            scene, costs, round(options.crossfade_ms * _NS_PER_MS), camera
+        )
+        self._fronts = None if tree is None else Fronts(tree, self._accounting.viewport_px)
+        self._quality = FlatQuality(scene) if tree is None else TreeQuality(tree)
+        self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
+        self._index_sets = IndexSets(scene)
+        self._machine, self._memory, self._policy = machine, memory, policy
+        self._loaded_bytes = 0
+        self.rows = CountRows()
+        self.last_detail = self._accounting.switches.detail
+
+    def record(self, view: View, selection: Selection) -> tuple[int, int]:
+        """Record a frame that draws a valid selection; return nanoseconds of CPU and GPU.
+
+        Raises
+        ------
+        PolicyError
+            If a node borrows from a holder whose index set has another resolution.
+        """
+        accounting = self._accounting
+        if self._fronts is not None:
+            selection = _culled(selection, view.state.inside)
+        drawn = accounting.drawn(selection, view)
+        switches = accounting.switches.record(view.frame, view.time_ns, drawn)
+        if self._fronts is not None:
+            switches += self._fronts.record(view.time_ns, drawn.ids, view)
+        tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
+        extraction = self._extraction(view, selection, drawn)
+        counts = tally.counts | _cpu_counts(view, selection.work, extraction)
+        times = self._machine.run(Submitted(view, selection, drawn, counts, tally.gpu_ms))
+        row = counts | self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
+        row.update(
+            {
+                "memory_bytes": self._memory.memory_bytes,
+                "loaded_bytes": self._newly_loaded(),
+                "fading": tally.fading,
+                "model_gpu_ms": tally.gpu_ms,
+                "predicted_gpu_ms": selection.predicted_ms,
+                "cpu_ms": times.cpu_ms,
+                "gpu_ms": times.gpu_ms,
+                "select_ms": times.select_ms,
+                "toggles": switches.toggles,
+                "reversals": switches.reversals,
+                "popping_px": switches.popping_px,
+            }
+        )
+        self.rows.append(row)
+        cpu_ns, gpu_ns = round(times.cpu_ms * _NS_PER_MS), round(times.gpu_ms * _NS_PER_MS)
+        return max(1, cpu_ns), max(1, gpu_ns)
+
+    def _extraction(self, view: View, selection: Selection, drawn: Drawn) -> Extraction:
+        try:
+            return self._index_sets.record(selection, drawn)
+        except ValueError as error:
+            raise PolicyError(self._policy, view.frame, str(error)) from error
+
+    def _shown(
+        self, view: View, render_scale: float, drawn: Drawn, gpu_ms: float
+    ) -> dict[str, float]:
+        """Return what the picture is worth beside that of every candidate at full detail."""
+        share = render_scale * render_scale
+        units = self._quality.units(view)
+        quality = self._quality.score(drawn, units)
+        sse_px_p95, sse_px_max = screen_errors(drawn)
+        x_m, y_m, z_m = view.camera.position_m
+        return {
+            "visible": len(units.ids),
+            "drawn": len(drawn.ids),
+            "missing": quality.missing,
+            "full_gpu_ms": self._accounting.full_gpu_ms(units),
+            "sse_px_p95": sse_px_p95,
+            "sse_px_max": sse_px_max,
+            "benefit": share * quality.benefit,
+            "full_benefit": quality.full_benefit,
+            # The bound is that of pictures rendered at full size.
+            "benefit_bound": self._bound.of(view, gpu_ms) if share == 1.0 else math.nan,
+            "degradation": quality.degradation / share,
+            "full_degradation": quality.full_degradation,
+            "x_m": x_m,
+            "y_m": y_m,
+            "z_m": z_m,
+        }
+
+    def _newly_loaded(self) -> float:
+        """Return the bytes that the loader read since the frame before."""
+        before, self._loaded_bytes = self._loaded_bytes, self._memory.loaded_bytes
+        return self._loaded_bytes - before
+
+
+def _cpu_counts(view: View, work: Work, extraction: Extraction) -> dict[str, float]:
+    """Return what a frame asks of the CPU, by predictor, beside its draw calls."""
+    return {
+        "objects_visited": work.objects_visited,
+        "comparisons": work.comparisons,
+        "iterations": work.iterations,
+        "levels_extracted": extraction.levels,
+        "triangles_extracted": extraction.triangles,
+        "levels_borrowed": extraction.borrowed,
+        "objects_culled": len(view.scene),
+    }
+
+
+def _culled(selection: Selection, inside: BoolArray) -> Selection:
+    """Return what is left of a front when its nodes outside the frustum are culled."""
+    keep = inside[selection.ids]
+    holder = None if selection.holder is None else selection.holder[keep]
+    return replace(selection, ids=selection.ids[keep], detail=selection.detail[keep], holder=holder)

@@ -1,0 +1,180 @@
+"""The frames of a replay as one policy decides them: what the pipeline asks for, one by one."""
+
+import math
+
+import numpy as np
+
+from ..base.arrays import FloatArray
+from ..base.errors import InputError, PolicyError
+from ..models.machine.hardware import HardwareProfile
+from ..models.scene.camera import Camera
+from ..models.scene.frustum import Culler
+from ..models.scene.scene import Scene
+from ..models.scene.tree import Tree
+from ..policies.protocol import Oracle, Policy, Truth
+from ..policies.selection import Selection, find_violation
+from ..policies.view import FrameState, View
+from ..traces.cameras.camera_trace import CameraTrace
+from .frame_recorder import FrameRecorder
+from .frame_timer import FrameTimer
+from .loader import find_not_resident, make_memory
+from .pipeline import Pipeline
+from .replay_options import ReplayOptions
+from .simulated_machine import Machine, SimulatedMachine
+
+_PACE_FRAMES = 10_000
+_LEAST_FRAME_NS = 1_000  # a million frames a second: no machine, but a profile without a base cost
+
+
+class PolicyFrames:
+    """Culls, shows and has the policy select each frame when the pipeline begins it."""
+
+    def __init__(
+        self,
+        policy: Policy,
+        scene: Scene,
+        trace: CameraTrace,
+        hardware: HardwareProfile,
+        options: ReplayOptions,
+        name: str,
+        machine: Machine | None,
+    ) -> None:
+        self._policy, self._name = policy, name
+        self._oracle = policy if isinstance(policy, Oracle) and policy.capabilities.future else None
+        self._scene = scene.with_costs(hardware.gpu)
+        self._trace, self._hardware, self._options = trace, hardware, options
+        self._end_ns = round(trace.duration_s * 1e9)
+        self._fovy_rad = math.radians(options.fovy_deg)
+        self._rest_m = np.ascontiguousarray(scene.center_m.T)
+        self._rest_m.flags.writeable = False
+        self._culler = Culler(scene.radius_m, scene.cells)
+        self._tree = None if scene.flat else Tree(scene)
+        streaming = policy.capabilities.loader and not scene.flat
+        bound_bytes = options.memory_bytes or hardware.memory_bytes
+        self._memory = make_memory(scene, hardware, bound_bytes, streaming=streaming)
+        truth, scatter = hardware.truth(options.draw)
+        gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
+        self._machine = machine or SimulatedMachine(hardware, truth, scatter, (gpu, cpu))
+        self._timer = FrameTimer(options.faults, options.measurement_delay, dice)
+        self._recorder = FrameRecorder(
+            self._scene,
+            self._tree,
+            truth,
+            options,
+            self._camera(0.0),
+            self._machine,
+            self._memory,
+            policy=name,
+            future=policy.capabilities.future,
+        )
+        self._previous: Selection | None = None
+        self._previous_camera: Camera | None = None
+        self._previous_centers_m: FloatArray | None = None
+        self._previous_s = 0.0
+        self._pace_ns = 0
+        try:
+            policy.reset(self._scene, options.budget_ms)
+        except (Exception, SystemExit) as error:
+            raise PolicyError(name, None, _describe(error)) from error
+
+    def attach(self, pipeline: Pipeline) -> None:
+        """Take times of completed frames from this pipeline, and read on its clock."""
+        self._timer.attach(pipeline)
+        self._memory.attach(pipeline.events)
+
+    def counts(self) -> FloatArray:
+        """Return what was recorded of the frames so far (`FrameLog.counts`)."""
+        return self._recorder.rows.table()
+
+    def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
+        """Select, count and price one frame (see `FrameSource`)."""
+        if frame == self._options.frames or (self._options.frames is None and self._over(time_ns)):
+            self._memory.stop()
+            return None
+        if frame % _PACE_FRAMES == 0:
+            self._check_pace(frame, time_ns)
+        view = self._show(frame, time_ns)
+        selection = self._select(view, self._machine.begin())
+        self._previous, self._previous_camera = selection, view.camera
+        self._previous_s, self._previous_centers_m = time_ns * 1e-9, view.state.centers_m
+        costs_ns = self._recorder.record(view, selection)
+        # What is wanted is read while the frame is drawn: the next one may have it, not this one.
+        self._memory.want(time_ns, selection.wanted)
+        return costs_ns
+
+    def _show(self, frame: int, time_ns: int) -> View:
+        time_s = time_ns * 1e-9
+        camera = self._camera(time_s)
+        centers_m = self._centers(time_s)
+        ids, xyz_m = self._culler.cull(centers_m, camera)
+        state = FrameState(
+            self._scene,
+            camera,
+            centers_m,
+            frame,
+            time_ns,
+            self._recorder.last_detail,
+            self._timer.completed(),
+            self._culler.inside,
+            self._previous,
+            self._previous_camera,
+            time_s - self._previous_s,
+            self._memory.resident,
+            self._previous_centers_m,
+        )
+        view = View(state, ids, xyz_m)
+        if self._tree is None:
+            return view
+        roots = self._scene.roots
+        return view.at(roots[self._culler.inside[roots]])
+
+    def _check_pace(self, frame: int, time_ns: int) -> None:
+        """Refuse a machine on which frames take no time: the end of the trace would never come."""
+        if frame and time_ns - self._pace_ns < _PACE_FRAMES * _LEAST_FRAME_NS:
+            raise InputError(
+                f"hardware {self._hardware.name}: expected frames that take time, got "
+                f"{_PACE_FRAMES} in {(time_ns - self._pace_ns) * 1e-6:.3g} ms; give the profile a "
+                "base cost, or limit the number of frames"
+            )
+        self._pace_ns = time_ns
+
+    def _over(self, time_ns: int) -> bool:
+        return time_ns > self._end_ns
+
+    def _camera(self, time_s: float) -> Camera:
+        pose = self._trace.pose_at(time_s)
+        display = self._hardware.display
+        return Camera(
+            pose.position_m,
+            pose.orientation_xyzw,
+            display.width_px,
+            display.height_px,
+            self._fovy_rad,
+        )
+
+    def _centers(self, time_s: float) -> FloatArray:
+        motion = self._scene.motion
+        if motion is None:
+            return self._rest_m
+        centers_m = self._rest_m.copy()
+        centers_m[:, motion.node] += motion.offset_m(time_s).T
+        return centers_m
+
+    def _select(self, view: View, truth: Truth | None) -> Selection:
+        try:
+            if self._oracle is not None and truth is not None:
+                self._oracle.foresee(truth)
+            selection = self._policy.select(view)
+        except (Exception, SystemExit) as error:
+            raise PolicyError(self._name, view.frame, _describe(error)) from error
+        violation = find_violation(selection, view.ids, self._scene, self._tree)
+        violation = violation or find_not_resident(selection, view)
+        if violation is not None:
+            raise PolicyError(self._name, view.frame, violation)
+        return selection
+
+
+def _describe(error: BaseException) -> str:
+    """Return an exception raised by a policy in one line."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -1,0 +1,68 @@
+"""How to replay: budget, seed, length, field of view, and what the simulator adds or leaves out."""
+
+import math
+from dataclasses import dataclass, field
+
+from ..base.errors import InputError
+from .faults import Faults
+
+_MAX_FRAMES = 10_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayOptions:
+    """How to replay.
+
+    Attributes
+    ----------
+    budget_ms : float
+        Time that a frame may take; what policies aim at.
+    seed : int
+        Root of all noise; the noise of frame k is the same under every policy.
+    frames : int or None
+        Frames to render; None for as long as the trace lasts.
+    fovy_deg : float
+        Vertical field of view.
+    crossfade_ms : float
+        Time for which a switched node is drawn at both levels.
+    measurement_delay : int
+        Frames, beyond its completion, until a frame's timer is read (GPU timer queries).
+    faults : Faults
+        What the timers get wrong.
+    bound_every : int
+        Compute the bound behind `optimality` in every so many frames, 0 for never; flat scenes
+        only.  Frames of an oracle always have theirs.
+    draw : int or None
+        Posterior draw that plays the truth; None for the profile's mean.
+    memory_bytes : float or None
+        Bound of the loader; None for the profile's.
+    """
+
+    budget_ms: float
+    seed: int = 0
+    frames: int | None = None
+    fovy_deg: float = 60.0
+    crossfade_ms: float = 0.0
+    measurement_delay: int = 0
+    faults: Faults = field(default_factory=Faults)
+    bound_every: int = 0
+    draw: int | None = None
+    memory_bytes: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.budget_ms) and self.budget_ms > 0.0):
+            raise InputError(f"budget: expected milliseconds > 0, got {self.budget_ms}")
+        if self.frames is not None and not 1 <= self.frames <= _MAX_FRAMES:
+            raise InputError(f"frames: expected 1 to {_MAX_FRAMES}, got {self.frames}")
+        if not (math.isfinite(self.crossfade_ms) and self.crossfade_ms >= 0.0):
+            raise InputError(f"crossfade: expected milliseconds >= 0, got {self.crossfade_ms}")
+        if not 0 <= self.measurement_delay <= 16:
+            raise InputError(
+                f"measurement delay: expected 0 to 16 frames, got {self.measurement_delay}"
+            )
+        if self.memory_bytes is not None and not 0.0 < self.memory_bytes < math.inf:
+            raise InputError(f"memory: expected bytes > 0, got {self.memory_bytes}")
+        if self.bound_every < 0:
+            raise InputError(f"bound_every: expected frames >= 0, got {self.bound_every}")
+        if self.seed < 0:
+            raise InputError(f"seed: expected an integer >= 0, got {self.seed}")

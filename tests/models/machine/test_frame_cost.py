@@ -1,0 +1,157 @@
+"""Prices of frames and of objects, worked by hand; terms of the view, by simulation and bounds."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from lodbench.base.arrays import FloatArray
+from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from lodbench.models.machine import cost_terms
+from lodbench.models.machine.cost import CostModel
+from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
+from lodbench.models.machine.frame_cost import FrameCost, view_units
+from lodbench.models.scene.levels import LevelTable
+
+MakeLevels = Callable[..., LevelTable]
+RASTERIZED = VIEW_TERMS["rasterized_triangles"]
+
+
+class Seen(NamedTuple):
+    """A footprint."""
+
+    area_px: FloatArray
+    covered_px: FloatArray
+    inside_share: FloatArray
+
+
+def seen(area_px: list[float], covered_px: list[float] | None = None) -> Seen:
+    """Return objects that are wholly in the picture."""
+    area = np.array(area_px)
+    return Seen(area, area if covered_px is None else np.array(covered_px), np.ones(len(area)))
+
+
+def test_every_predictor_is_a_count_of_levels_or_a_term() -> None:
+    """A GPU predictor without a price would be charged nothing, a file without a name never."""
+    terms = {*VIEW_TERMS, *FRAME_TERMS}
+    assert terms == {*GPU_PREDICTORS} - {*LEVEL_PREDICTORS}
+    files = {path.stem for folder in cost_terms.__path__ for path in Path(folder).glob("*.py")}
+    assert files - {"__init__", "term", "catalog"} == terms
+
+
+def test_objects_by_hand(make_levels: MakeLevels) -> None:
+    """Linear and pixel costs add up; of geometry and pixels in the roofline the larger counts."""
+    model = CostModel.of(
+        9.0,
+        {"triangles": 1e-3, "draw_calls": 0.5, "shaded_samples": 1e-4, "state_changes": 7.0},
+        {"triangles": 2e-3, "shaded_samples": 1e-2},
+    )
+    costs = FrameCost(model, make_levels([(1000, 100)]))
+    assert costs.level_ms == pytest.approx([1.5, 0.6])
+    assert costs.geometry_ms == pytest.approx([2.0, 0.2])
+    each = [1.5 + 0.005 + 2.0, 0.6 + 0.005 + 0.5]
+    assert costs.objects_ms(np.array([0, 1]), seen([50.0, 50.0])) == pytest.approx(each)
+    table = costs.objects_ms(np.array([[0, 1], [0, 1]]), seen([50.0, 500.0]))
+    assert table == pytest.approx(np.array((each, (1.5 + 0.05 + 5.0, 0.6 + 0.05 + 5.0))))
+
+
+def test_what_lies_between_knots_costs_what_lies_between(make_levels: MakeLevels) -> None:
+    """A quarter of the way from 1,000 triangles to 200, an object has 800 of them."""
+    costs = FrameCost(CostModel.of(0.0, {"triangles": 1.0}), make_levels([(1000, 200)]))
+    row, fraction = np.array([0]), np.array([0.25])
+    assert costs.objects_ms(row, seen([1.0]), fraction=fraction) == pytest.approx([800.0])
+    assert costs.frame(row, seen([1.0]), 1.0, fraction=fraction).gpu_ms == pytest.approx(800.0)
+
+
+def test_a_smaller_picture_has_fewer_pixels(make_levels: MakeLevels) -> None:
+    """At a quarter of the pixels, area and covered samples are a quarter; triangles all there.
+
+    Of 100 triangles 400 samples reach 100 (1 - e^-4), and 100 samples 100 (1 - e^-1).
+    """
+    view, row = seen([80.0], [400.0]), np.array([0])
+    for name, full, quarter in (
+        ("shaded_samples", 80.0, 20.0),
+        ("rasterized_triangles", -100.0 * math.expm1(-4.0), -100.0 * math.expm1(-1.0)),
+    ):
+        levels = make_levels([(100,)])
+        costs = FrameCost(CostModel.of(0.0, {name: 1.0}), levels)
+        for share, units in ((1.0, full), (0.25, quarter)):
+            assert costs.objects_ms(row, view, pixel_share=share) == pytest.approx([units])
+            assert costs.frame(row, view, 1e6, pixel_share=share).gpu_ms == pytest.approx(units)
+            assert view_units(name, levels, row, view, share) == pytest.approx(units)
+    roofline = CostModel.of(0.0, {}, {"triangles": 0.3, "shaded_samples": 1.0})
+    costs = FrameCost(roofline, make_levels([(100,)]))
+    assert costs.objects_ms(row, view) == pytest.approx([80.0])
+    assert costs.objects_ms(row, view, pixel_share=0.25) == pytest.approx([30.0])
+    assert costs.frame(row, view, 1e6, pixel_share=0.25).gpu_ms == pytest.approx(30.0)
+    buffers = FrameCost(CostModel.of(1.0, {"framebuffer_pixels": 1e-3}), make_levels([(100,)]))
+    assert buffers.frame(row, view, 4000.0, pixel_share=0.25).gpu_ms == pytest.approx(2.0)
+
+
+def test_a_frame_by_hand(make_levels: MakeLevels) -> None:
+    """2 ms, 1 ms a triangle, 1/8 ms a pixel, and 32 ms a type, of which two of three are drawn."""
+    model = CostModel.of(
+        2.0, {"triangles": 1.0, "shaded_samples": 0.125, "framebuffer_pixels": 0.125,
+              "state_changes": 32.0}
+    )  # fmt: skip
+    costs = FrameCost(model, make_levels([(40, 20), (7,), (9, 3)]))
+    price = costs.frame(np.array([1, 4, 1]), seen([8.0, 16.0, 24.0]), 800.0)
+    assert price.gpu_ms == 2.0 + (20 + 3 + 20) + 48 / 8 + 800 / 8 + 64
+    assert costs.fixed_ms(800.0, 2) == 2.0 + 100.0 + 64.0
+    counts = costs.counts(price)
+    assert set(counts) == set(GPU_PREDICTORS)
+    assert (counts["triangles"], counts["draw_calls"], counts["state_changes"]) == (43, 3, 2)
+    assert (counts["shaded_samples"], counts["framebuffer_pixels"]) == (48.0, 800.0)
+    assert math.isnan(counts["rasterized_triangles"])
+
+
+def test_a_frame_is_what_is_fixed_and_its_objects(make_levels: MakeLevels) -> None:
+    """Whole frames and marginal costs are two ways to one price, with every term charged."""
+    rng = np.random.default_rng(2)
+    names = [name for name in GPU_PREDICTORS if name not in ("splats", "texture_bytes")]
+    model = CostModel.of(
+        3.0, dict(zip(names, rng.uniform(0.1, 1.0, len(names)), strict=True)),
+        {"triangles": 0.2, "shaded_samples": 0.5},
+    )  # fmt: skip
+    costs = FrameCost(model, make_levels([(90, 40, 10), (70, 20)], continuous=True))
+    row, fraction = np.array([0, 1, 3, 0]), np.array([0.5, 0.0, 0.75, 1.0])
+    area = rng.uniform(10.0, 200.0, 4)
+    view = Seen(area, 0.4 * area, np.array([1.0, 0.5, 0.1, 1.0]))
+    price = costs.frame(row, view, 1000.0, fraction=fraction, pixel_share=0.5)
+    objects_ms = costs.objects_ms(row, view, fraction=fraction, pixel_share=0.5)
+    assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2) + objects_ms.sum(), rel=1e-12)
+
+
+def test_rasterized_triangles_by_simulation() -> None:
+    """Samples thrown at triangles at random reach as many of them as the formula says."""
+    rng = np.random.default_rng(1)
+    triangles, samples = 200, 150
+    hit = [len(np.unique(rng.integers(triangles, size=samples))) for _ in range(4000)]
+    expected = RASTERIZED.count([np.array([float(triangles)])], seen([float(samples)]))
+    assert expected[0] == pytest.approx(np.mean(hit), rel=0.003)
+
+
+def test_rasterized_triangles_have_their_limits() -> None:
+    """Far away each sample reaches its own triangle; near by all in the picture are."""
+    triangles = np.array([1e6, 10.0, 0.0, 10.0])
+    covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
+    units = RASTERIZED.count([triangles], Seen(covered, covered, inside))
+    assert units == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
+
+
+@pytest.mark.parametrize("name", VIEW_TERMS)
+def test_no_term_of_the_view_rises_above_its_line(name: str) -> None:
+    """From the lowest resolution to 1, the line that policies plan with is nowhere below."""
+    rng = np.random.default_rng(3)
+    n, term = 200, VIEW_TERMS[name]
+    full = [rng.uniform(1.0, 10_000.0, n) for _ in term.reads]
+    area = np.exp(rng.uniform(-3.0, 12.0, n))
+    view, lowest = Seen(area, 0.4 * area, rng.uniform(0.0, 1.0, n)), rng.uniform(1e-3, 0.9, n)
+    start, slope = term.line_above(full, view, lowest)
+    for share in np.linspace(0.0, 1.0, 21):
+        resolution = lowest + share * (1.0 - lowest)
+        units = term.count([resolution * column for column in full], view)
+        assert (start + slope * resolution >= units * (1.0 - 1e-9) - 1e-9).all()
