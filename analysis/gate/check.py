@@ -10,7 +10,7 @@ from ...models.machine.hardware import HardwareProfile
 from ...models.machine.profile_catalog import load_hardware
 from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import load_scene
-from ...policies.registry import parse_policy
+from ...policies.registry import PolicyLikes, specs_of
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.inputs import load_trace
@@ -27,8 +27,7 @@ class Plan:
 
     Attributes
     ----------
-    policies : tuple of str
-        As on a command line.
+    policies : by name, class, object, or a mapping of labels to these
     scenes, traces, hardware : bundled names, files, or what was loaded from them
     budget_ms : float or None
         None for one refresh of the display.
@@ -36,7 +35,7 @@ class Plan:
         How the trace of a file is put into a scene.
     """
 
-    policies: tuple[str, ...]
+    policies: PolicyLikes
     scenes: tuple[str | Scene, ...] = ("plaza",)
     traces: tuple[str | CameraTrace, ...] = ("tour",)
     hardware: str | HardwareProfile = "desktop-assumed"
@@ -58,7 +57,7 @@ def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measu
     profile = load_hardware(plan.hardware) if isinstance(plan.hardware, str) else plan.hardware
     budget_ms = 1e3 / profile.display.refresh_hz if plan.budget_ms is None else plan.budget_ms
     options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
-    specs = [parse_policy(text) for text in plan.policies]
+    specs = specs_of(plan.policies)
     scenes = [load_scene(item) if isinstance(item, str) else item for item in plan.scenes]
     found: dict[tuple[str, str], tuple[Conditions, list[Measured]]] = {}
     for scene, item in product(scenes, plan.traces):

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...policies.protocol import why_not_applicable
-from ...policies.registry import PolicySpec
+from ...policies.policy_spec import PolicySpec
+from ...policies.registry import require_distinct
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import Run
 from ..metrics.metric_registry import METRICS
@@ -105,18 +105,10 @@ def measure(
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
     """
-    frames = world.options.frames
-    if frames is not None and frames <= world.warmup:
-        raise InputError(
-            f"frames: expected more than the {world.warmup} of warm-up, got {frames}; "
-            "give --frames more or --warmup less"
-        )
-    unfit = {
-        spec.text: why_not_applicable(spec.make().capabilities, world.scene) for spec in policies
-    }
-    if len(unfit) < len(policies):
-        raise InputError("policy: expected each once, got one twice; name it once")
-    fit = [label for label, reason in unfit.items() if reason is None]
+    world.require_scored_frames()
+    require_distinct(policies)
+    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
+    fit = [spec for spec in policies if unfit[spec.label] is None]
     jobs = len(fit) * sampling.seeds
     with started(world, min(sampling.workers, max(jobs, 1))) as run_jobs:
         scored = _run(fit, world, sampling, run_jobs)
@@ -141,25 +133,25 @@ def measure(
 
 
 def _run(
-    labels: list[str], world: World, sampling: Sampling, run_jobs: RunJobs
+    specs: list[PolicySpec], world: World, sampling: Sampling, run_jobs: RunJobs
 ) -> dict[str, tuple[list[Scored], list[list[Scored]]]]:
     """Score each policy by seed under the mean, and by draw and seed."""
     seeds = range(world.options.seed, world.options.seed + sampling.seeds)
     draws = choose_draws(world.hardware, sampling.draws)
     each = -(-sampling.resamples // max(len(draws), 1))
-    jobs = [Job(label, None, 0, sampling.resamples, seed) for label in labels for seed in seeds]
+    jobs = [Job(spec, None, 0, sampling.resamples, seed) for spec in specs for seed in seeds]
     means = iter(run_jobs(jobs))
-    by_seed = {label: [next(means) for _ in seeds] for label in labels}
-    sound = [label for label in labels if all(run.failure is None for run in by_seed[label])]
+    by_seed = {spec.label: [next(means) for _ in seeds] for spec in specs}
+    sound = [spec for spec in specs if all(run.failure is None for run in by_seed[spec.label])]
     jobs = [
-        Job(label, draw, stream, each, seed)
-        for label in sound
+        Job(spec, draw, stream, each, seed)
+        for spec in sound
         for stream, draw in enumerate(draws)
         for seed in seeds
     ]
     drawn = iter(run_jobs(jobs))
-    by_draw = {label: [[next(drawn) for _ in seeds] for _ in draws] for label in sound}
-    return {label: (by_seed[label], by_draw.get(label, [])) for label in labels}
+    by_draw = {spec.label: [[next(drawn) for _ in seeds] for _ in draws] for spec in sound}
+    return {label: (runs, by_draw.get(label, [])) for label, runs in by_seed.items()}
 
 
 def _measured(

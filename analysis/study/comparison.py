@@ -64,7 +64,7 @@ class PolicyResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
+class ReplayConditions:
     """Under which conditions the replays ran, beside scene, trace and hardware."""
 
     display: str
@@ -145,7 +145,7 @@ class Comparison:
     seed: int
     frames: int
     warmup: int
-    conditions: Conditions
+    conditions: ReplayConditions
     intervals: Intervals
     policies: tuple[PolicyResult, ...]
     pareto: ParetoFront

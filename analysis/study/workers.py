@@ -6,8 +6,11 @@ from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from ...base.errors import InputError
+from ...policies.registry import own_policies, register_policy
+from ...policies.user_file import pickle_for_worker
 from .score import Job, Scored, World, score
 
 RunJobs: TypeAlias = Callable[[Sequence[Job]], Iterable[Scored]]
@@ -19,7 +22,11 @@ _world: World | None = None
 
 @contextmanager
 def started(world: World, workers: int) -> Generator[RunJobs]:
-    """Start workers, and yield what runs jobs on them; with one worker it runs them here."""
+    """Start workers, and yield what runs jobs on them; with one worker it runs them here.
+
+    Running jobs raises `InputError` if another process cannot get at the class of a policy, such
+    as one that was typed into a notebook.
+    """
     if workers <= 1:
         yield lambda jobs: (score(world, job) for job in jobs)
         return
@@ -27,7 +34,7 @@ def started(world: World, workers: int) -> Generator[RunJobs]:
         workers, mp_context=get_context("spawn"), initializer=_start, initargs=_pack(world)
     ) as pool:
         try:
-            yield lambda jobs: pool.map(_score_here, jobs)
+            yield lambda jobs: pool.map(_score_here, map(_message, jobs))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
@@ -46,6 +53,33 @@ def _start(data: bytes, buffers: list[bytes]) -> None:
     _world = pickle.loads(data, buffers=buffers)  # noqa: S301 - from the parent process
 
 
-def _score_here(job: Job) -> Scored:
+def _message(job: Job) -> tuple[str, bytes]:
+    """Return a job and the names that its policy may look up, for another process."""
+    label = job.policy.label
+    try:
+        return label, pickle_for_worker((own_policies(), job))
+    except Exception as error:  # whatever the state of a user's object raises
+        raise _unreachable(label, error) from error
+
+
+def _score_here(message: tuple[str, bytes]) -> Scored:
     assert _world is not None, "a worker is started with a world"
+    label, data = message
+    own: dict[str, type[Any]]
+    job: Job
+    try:
+        own, job = pickle.loads(data)  # noqa: S301 - from the parent process
+    except InputError:  # a user's file that has gone or changed says so itself
+        raise
+    except Exception as error:
+        raise _unreachable(label, error) from error
+    for name, cls in own.items():
+        register_policy(name, cls)
     return score(_world, job)
+
+
+def _unreachable(label: str, error: Exception) -> InputError:
+    return InputError(
+        f"policy {label}: expected a policy that other processes can load, got "
+        f"{type(error).__name__}: {error}; put its class into a file, or give workers=1"
+    )

@@ -69,7 +69,7 @@ def own(tmp_path: Path) -> Iterator[Path]:
 def test_every_registered_policy_can_be_made(name: str) -> None:
     """Each name leads to a class that follows the protocol and needs no parameter."""
     spec = parse_policy(name)
-    assert (spec.text, spec.name, spec.params) == (name, name, {})
+    assert (spec.label, spec.name, spec.params) == (name, name, {})
     assert isinstance(spec.make(), Policy)
     assert all(parameter.name[0] != "_" for parameter in parameters(spec.cls))
 
