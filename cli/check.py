@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.gate.check_result import Report
+    from ..analysis.gate.check_result import CheckReport
     from ..analysis.gate.limits import Limits
-    from ..analysis.gate.measurements import Conditions, Measured
+    from ..analysis.gate.measurements import Conditions, MeasuredPolicy
 
 
 def check(
@@ -79,15 +79,15 @@ def check(
     ] = 0,
 ) -> None:
     """Hold a policy's frame times and flicker against limits: 0 passed, 1 failed, 2 bad input."""
-    from ..analysis.gate.check import Plan, judge_measured, measure_plan
+    from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
     from ..analysis.gate.limits_file import choose_limits
-    from ..analysis.gate.measurements import Sampling, measure_run
+    from ..analysis.gate.measurements import MeasureOptions, measure_run
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if run is not None:
         conditions, measured = measure_run(run)
     else:
-        plan = Plan(
+        plan = CheckPlan(
             policies=tuple(policy or ()),
             scenes=tuple(scene or ("plaza",)),
             traces=tuple(trace or ("tour",)),
@@ -98,7 +98,7 @@ def check(
             warmup=warmup,
             place=place,
         )
-        sampling = Sampling(
+        sampling = MeasureOptions(
             seeds=seeds, resamples=resamples, draws=draws, workers=workers or os.cpu_count() or 1
         )
         conditions, measured = measure_plan(plan, sampling)
@@ -119,7 +119,7 @@ def _update(
     path: Path,
     limits: "Limits",
     conditions: "Conditions",
-    measured: "list[Measured]",
+    measured: "list[MeasuredPolicy]",
     *,
     as_json: bool,
 ) -> None:
@@ -137,7 +137,7 @@ def _update(
         print(f"baseline: {path}")
 
 
-def _print(report: "Report", limits: Path | None, *, as_json: bool, github: bool) -> None:
+def _print(report: "CheckReport", limits: Path | None, *, as_json: bool, github: bool) -> None:
     from ..analysis.gate.check_result import encode_report
     from ..analysis.gate.github import annotations
     from ..analysis.gate.plain_text import lines

@@ -16,13 +16,13 @@ from ...traces.cameras.camera_trace import CameraTrace
 from ..study.inputs import load_trace
 from ..study.score import World
 from .baseline import read_baseline
-from .check_result import Report, judge_all
+from .check_result import CheckReport, judge_all
 from .limits import Limits
-from .measurements import Conditions, Measured, Sampling, measure
+from .measurements import Conditions, MeasuredPolicy, MeasureOptions, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class CheckPlan:
     """What is replayed: every policy in every scene on every trace.
 
     Attributes
@@ -46,7 +46,9 @@ class Plan:
     place: str = "shrink"
 
 
-def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measured]]:
+def measure_plan(
+    plan: CheckPlan, sampling: MeasureOptions
+) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay a plan.
 
     Raises `InputError` if a name is unknown, a file cannot be read, or two scenes or traces have
@@ -59,7 +61,7 @@ def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measu
     options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
     specs = specs_of(plan.policies)
     scenes = [load_scene(item) if isinstance(item, str) else item for item in plan.scenes]
-    found: dict[tuple[str, str], tuple[Conditions, list[Measured]]] = {}
+    found: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
     for scene, item in product(scenes, plan.traces):
         trace = load_trace(item, scene, plan.place) if isinstance(item, str) else item
         names = (scene.name, trace.name)
@@ -73,12 +75,12 @@ def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measu
 
 def judge_measured(
     limits: Limits,
-    measured: Sequence[Measured],
+    measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Path,
     *,
     strict: bool = False,
-) -> Report:
+) -> CheckReport:
     """Judge what was measured; the baseline is read if a limit needs it.
 
     Raises `InputError` if it is needed and missing, or of other conditions.

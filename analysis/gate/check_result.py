@@ -9,13 +9,13 @@ import msgspec
 from .baseline import Baseline
 from .judgement import Verdict, judge, judge_failure
 from .limits import Limits
-from .measurements import Conditions, Measured
+from .measurements import Conditions, MeasuredPolicy
 
 SCHEMA = "lodbench.check/1"
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class CheckReport:
     """Verdicts on all limits, without any wall-clock time.
 
     Attributes
@@ -44,12 +44,12 @@ class Report:
 
 def judge_all(
     limits: Limits,
-    measured: Sequence[Measured],
+    measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Baseline | None,
     *,
     strict: bool = False,
-) -> Report:
+) -> CheckReport:
     """Judge every limit on everything measured, in the order of both."""
     verdicts: list[Verdict] = []
     for item in measured:
@@ -67,10 +67,10 @@ def judge_all(
     wrong = {"fails", "undecided"} if strict else {"fails"}
     passed = not any(verdict.outcome in wrong for verdict in verdicts)
     passed = passed and not (strict and (unused or not verdicts))
-    return Report(passed, strict, conditions, tuple(verdicts), unused)
+    return CheckReport(passed, strict, conditions, tuple(verdicts), unused)
 
 
-def encode_report(report: Report) -> bytes:
+def encode_report(report: CheckReport) -> bytes:
     """Return the JSON of a report, indented, its schema first."""
     fields: dict[str, object] = msgspec.to_builtins(report)
     ordered = {"schema": fields.pop("schema"), **fields}

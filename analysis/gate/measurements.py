@@ -27,7 +27,7 @@ from ..verdict.uncertainty import Pool, interval
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sampling:
+class MeasureOptions:
     """How much is replayed.
 
     Attributes
@@ -69,7 +69,7 @@ class Conditions:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class MeasuredPolicy:
     """One policy in one scene on one trace.
 
     Attributes
@@ -98,8 +98,8 @@ class Measured:
 
 
 def measure(
-    policies: Sequence[PolicySpec], world: World, sampling: Sampling
-) -> tuple[Conditions, list[Measured]]:
+    policies: Sequence[PolicySpec], world: World, sampling: MeasureOptions
+) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay each policy under successive seeds, from the one of the world's options on.
 
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
@@ -113,10 +113,10 @@ def measure(
     with started(world, min(sampling.workers, max(jobs, 1))) as run_jobs:
         scored = _run(fit, world, sampling, run_jobs)
     options, names = world.options, (world.scene.name, world.trace.name)
-    measured: list[Measured] = []
+    measured: list[MeasuredPolicy] = []
     for label, reason in unfit.items():
         if reason is not None:
-            measured.append(Measured(label, *names, f"not applicable: {reason}"))
+            measured.append(MeasuredPolicy(label, *names, f"not applicable: {reason}"))
         else:
             measured.append(_measured(label, names, *scored[label]))
     conditions = Conditions(
@@ -133,7 +133,7 @@ def measure(
 
 
 def _run(
-    specs: list[PolicySpec], world: World, sampling: Sampling, run_jobs: RunJobs
+    specs: list[PolicySpec], world: World, sampling: MeasureOptions, run_jobs: RunJobs
 ) -> dict[str, tuple[list[Scored], list[list[Scored]]]]:
     """Score each policy by seed under the mean, and by draw and seed."""
     seeds = range(world.options.seed, world.options.seed + sampling.seeds)
@@ -156,10 +156,10 @@ def _run(
 
 def _measured(
     label: str, names: tuple[str, str], means: list[Scored], drawn: list[list[Scored]]
-) -> Measured:
+) -> MeasuredPolicy:
     for run in (*means, *(run for runs in drawn for run in runs)):
         if run.failure is not None:
-            return Measured(label, *names, run.failure, failed=True)
+            return MeasuredPolicy(label, *names, run.failure, failed=True)
     paired = _pool(means)
     pools = [_pool(runs) for runs in drawn] or [paired]
     scores: dict[str, Score] = {}
@@ -170,7 +170,7 @@ def _measured(
         low, high = interval(np.concatenate(every) if len(every) == len(pools) else None)
         scores[metric.id] = Score(value, low, high, metric.unit, metric.better)
     logs = tuple(run.log for run in means if run.log is not None)
-    return Measured(label, *names, None, False, scores, paired, logs)
+    return MeasuredPolicy(label, *names, None, False, scores, paired, logs)
 
 
 def _pool(runs: list[Scored]) -> Pool:
@@ -209,7 +209,7 @@ def _mean_over_seeds(values: FloatArray, count: int) -> FloatArray:
     return values.mean() + deviation * np.sqrt(n / (n - 1))
 
 
-def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
+def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Return what a folder that `compare --out` wrote holds: one seed.
 
     Raises `InputError` if a file is missing, broken, or of another run.
@@ -217,7 +217,7 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
     comparison, logs = read_results(folder)
     names = (comparison.scene, comparison.trace)
     count = comparison.intervals.resamples
-    measured: list[Measured] = []
+    measured: list[MeasuredPolicy] = []
     for policy in comparison.policies:
         log = logs.get(policy.label)
         if log is None:
@@ -226,7 +226,9 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
         run = Run(log, comparison.warmup)
         statistics = {metric.id: metric(run) for metric in METRICS}
         paired = resample(run, statistics, comparison.seed, 0, count)
-        measured.append(Measured(policy.label, *names, None, False, policy.metrics, paired, (log,)))
+        measured.append(
+            MeasuredPolicy(policy.label, *names, None, False, policy.metrics, paired, (log,))
+        )
     conditions = Conditions(
         comparison.hardware,
         comparison.budget_ms,
@@ -240,7 +242,7 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
     return conditions, measured
 
 
-def _without_scores(policy: PolicyResult, names: tuple[str, str]) -> Measured:
+def _without_scores(policy: PolicyResult, names: tuple[str, str]) -> MeasuredPolicy:
     failed = policy.status == "failed"
     reason = policy.reason if failed else f"not applicable: {policy.reason}"
-    return Measured(policy.label, *names, reason, failed)
+    return MeasuredPolicy(policy.label, *names, reason, failed)
