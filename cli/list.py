@@ -106,10 +106,10 @@ def _default_comments(source: str) -> dict[str, str]:
 
 
 def _scenes() -> Iterator[Item]:
-    from ..models.scenes.scene_registry import ABOUT
+    from ..models.scenes.scene_registry import SCENES
 
-    for name, about in ABOUT.items():
-        yield {"name": name, "about": about}
+    for name in SCENES:
+        yield {"name": name, "about": SCENES.find(name).about}
 
 
 def _traces() -> Iterator[Item]:

@@ -96,7 +96,7 @@ def convert(
     placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
     _, placed = _read_placed(trace, source, placement)
     written = write_trace(placed, out, target)
-    _report_written("lodbench.trace-convert/1", out, written.name, placed, as_json=as_json)
+    _report_written("lodbench.trace-convert/1", out, written, placed, as_json=as_json)
 
 
 @app.command()
@@ -142,7 +142,7 @@ def generate(
         seed=seed,
     )
     written = write_trace(made, out, target)
-    _report_written("lodbench.trace-generate/1", out, written.name, made, as_json=as_json)
+    _report_written("lodbench.trace-generate/1", out, written, made, as_json=as_json)
 
 
 def _read_placed(
@@ -152,7 +152,7 @@ def _read_placed(
     from ..traces.cameras.place import place
     from ..traces.cameras.read_trace import format_of, read_trace, split_spec
 
-    format_name = source or format_of(split_spec(spec)[0]).name
+    format_name = source or format_of(split_spec(spec)[0])
     return format_name, place(read_trace(spec, format_name), placement)
 
 

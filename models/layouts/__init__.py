@@ -1,1 +1,1 @@
-"""Where objects stand: one layout a file."""
+"""Objects placed on the ground by a layout, and scenes of them."""

@@ -23,7 +23,7 @@ class PlacementOptions:
 
     Attributes
     ----------
-    layout : "grid", "scatter", "rows", "city" or "forest"
+    layout : one of `LAYOUTS`
     count : int
         Objects in all, in equal shares of the types.
     spacing_m : float

@@ -7,14 +7,10 @@ from pathlib import Path
 
 from ...base.errors import InputError
 from ..meshes.geometry import Geometry
-from ..scenes.scene_cache import cached_scene
-from ..scenes.scene_registry import ABOUT, Build, find_builder
+from ..scenes.scene_cache import SUFFIX, cached_scene
+from ..scenes.scene_registry import SCENES, find_builder
 from .scene import Scene
 from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
-
-SUFFIX = ".lodscene"
-
-_UNCACHED = "plaza"  # made as quickly as read
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +30,7 @@ class OpenedScene:
 
 def list_bundled_scenes() -> tuple[str, ...]:
     """Return the names of the bundled scenes, sorted."""
-    return tuple(ABOUT)
+    return tuple(sorted(SCENES))
 
 
 def load_scene(spec: str) -> Scene:
@@ -45,16 +41,17 @@ def load_scene(spec: str) -> Scene:
 def open_scene(spec: str) -> OpenedScene:
     """Open the bundled scene of that name, or the file of that path.
 
-    Large bundled scenes are made the first time and kept in `scene_cache.cache_folder`.
+    Bundled scenes are made the first time and kept in `scene_cache.cache_folder`.
     ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, anything else is a scene
     file.
 
-    Raises `InputError` if there is neither, with the nearest bundled name; if the file is not a
-    scene; or if the cache cannot be written to.
+    Raises `InputError` if there is neither, with the nearest bundled name, or if the file is not a
+    scene.
     """
     build = find_builder(spec)
     if build is not None:
-        return _open_named(spec, build)
+        scene, geometry = cached_scene(spec, build)
+        return OpenedScene(scene, SceneOrigin("bundled"), geometry)
     path = Path(spec)
     suffix = path.suffix.lower()
     if suffix == ".json":
@@ -70,14 +67,6 @@ def open_scene(spec: str) -> OpenedScene:
         f"scene: expected one of {', '.join(names)} or a file ({SUFFIX}, tileset.json, .gltf, "
         f".glb), got {spec}; {hint}"
     )
-
-
-def _open_named(name: str, build: Build) -> OpenedScene:
-    if name == _UNCACHED:
-        scene, geometry = build()
-        return OpenedScene(scene, SceneOrigin("bundled"), lambda: geometry)
-    path = cached_scene(name, SUFFIX, build)
-    return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
 
 
 def _open_tileset(path: Path) -> OpenedScene:

@@ -16,6 +16,7 @@ from ..meshes.mesh_error import Sampling
 from ..meshes.type_model import gather_types
 from ..scene.scene import Scene
 from .parts.atlas_parts import CHAMBER, COIL, FLANGE, FOOT, LAYER, PIPE, WEDGE, WHEEL, make_parts
+from .scene_registry import BundledScene
 
 _SEED = 1999
 _AXIS_HEIGHT_M = 13.0
@@ -104,3 +105,8 @@ def _place(ring: _Ring, rng: np.random.Generator) -> tuple[FloatArray, FloatArra
     )
     half, zero = turn / 2.0, np.zeros(len(turn))
     return position, np.stack((np.sin(half), zero, zero, np.cos(half)), axis=1)
+
+
+ATLAS = BundledScene(
+    "1,092 parts of a detector from 0.1 to 25 m, 3.7 million triangles, continuous", build_atlas
+)

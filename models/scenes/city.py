@@ -22,6 +22,7 @@ from ..meshes.mesh_error import Sampling
 from ..meshes.shapes import grid_faces, noise
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from ..scene.scene import Scene
+from .scene_registry import BundledScene
 
 TRIANGLES = 8_950_000
 _SEED = 2004
@@ -167,3 +168,8 @@ def street_route_m() -> FloatArray:
             (left, bottom),
         )
     )
+
+
+CITY = BundledScene(
+    "114 walls of blocks as trees of 2,298 nodes, 8.95 million triangles", build_city
+)

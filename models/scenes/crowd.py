@@ -19,6 +19,7 @@ from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from ..meshes.type_model import TypeModel
 from ..scene.scene import Scene
+from .scene_registry import BundledScene
 
 SMALLEST_CROWD, LARGEST_CROWD = 32, 32_768
 _SEED = 2011
@@ -127,3 +128,10 @@ def _part_faces(starts: IntArray, rings: int, width: int) -> NDArray[np.int64]:
     north = np.stack((first_pole, starts, starts + 1), axis=1)
     south = np.stack((first_pole + len(starts), last + 1, last), axis=1)
     return np.concatenate((quads, north, south)).astype(np.int64)
+
+
+CROWD = BundledScene(
+    "characters of 2,620 triangles, skinned; any number from crowd-32 to crowd-32768",
+    lambda: build_crowd(1024),
+    build_crowd,
+)

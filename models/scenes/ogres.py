@@ -18,6 +18,7 @@ from ..meshes.shapes import lump, move_part, revolved
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from ..meshes.type_model import TypeModel
 from ..scene.scene import Scene
+from .scene_registry import BundledScene
 
 _SEED = 2008
 _OGRES, _TREES = 3_000, 100
@@ -131,3 +132,9 @@ def _tree_surface(trunk: OrderedSurface, foliage: Foliage, share: float) -> Surf
     points, leaves = leaf_triangles(foliage.leaves.at(rows))
     bark = MeshPart(trunk.full.positions, faces.astype(np.int64), material=0)
     return clean_surface("tree", [bark, MeshPart(points, leaves.astype(np.int64), material=1)])
+
+
+OGRES = BundledScene("3,000 ogres of 1,960 triangles, continuous to 10 %", build_ogres)
+OGRES_TREES = BundledScene(
+    "the same with 100 trees of 97,133 triangles, continuous to 10 %", build_ogres_trees
+)

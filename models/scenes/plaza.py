@@ -32,6 +32,7 @@ from ..meshes.type_model import TypeModel
 from ..scene.motion import Motion
 from ..scene.scene import Scene
 from .parts.plaza_meshes import figure_mesh, house_mesh, rock_mesh, tree_mesh
+from .scene_registry import BundledScene
 
 _SEED = 20250
 _WALKERS = 500
@@ -104,3 +105,6 @@ def _walkers(kind: IntArray, rng: np.random.Generator) -> Motion:
     speed = rng.uniform(0.8, 1.6, _WALKERS) * rng.choice((-1.0, 1.0), _WALKERS)
     phase = rng.uniform(0.0, 2.0 * np.pi, _WALKERS)
     return Motion(np.sort(node).astype(np.int32), radius, speed / radius, phase)
+
+
+PLAZA = BundledScene("3,000 rocks, people, houses and trees", build_plaza)

@@ -1,24 +1,29 @@
 """Generated scenes on disk, so that each is made once.
 
-A file is named after its scene and a digest of what it is made by: the sources of this package's
-models and the version of numpy.  So it is never stale, and files of older digests are removed.
+A file is named after its scene and a digest of what it is made by: the sources of the package's
+floors `base` and `models`, and the versions of the libraries that make meshes.  So it is never
+stale, and files of older digests are removed.
 """
 
 import hashlib
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
-
-import numpy as np
 
 from ...base.errors import InputError
 from ..meshes.geometry import Geometry
 from ..scene.scene import Scene
-from ..scene.scene_file import SceneOrigin, write_scene
+from ..scene.scene_file import SceneOrigin, read_geometry, read_scene, write_scene
+from .scene_registry import Build
 
+SUFFIX = ".lodscene"
 _VARIABLE = "LODBENCH_CACHE"
+_LIBRARIES = ("fast-simplification", "numpy", "scipy", "trimesh")
+_UNREADABLE = (InputError, OSError)
 
 
 def cache_folder() -> Path:
@@ -35,36 +40,61 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "lodbench"
 
 
-def cached_scene(name: str, suffix: str, build: Callable[[], tuple[Scene, Geometry]]) -> Path:
-    """Return the file of a generated scene, made now if it is not there yet.
+def cached_scene(name: str, build: Build) -> tuple[Scene, Callable[[], Geometry]]:
+    """Return a generated scene, and what reads its geometry.
 
-    Raises `InputError` if the cache cannot be written to.
+    What is missing from the cache, or damaged there, is made anew.  Where the cache cannot be
+    written to, the scene is made in memory, which a line on stderr says once.
     """
-    folder = cache_folder()
-    path = folder / f"{name}.{_digest()}{suffix}"
-    if path.is_file():
-        return path
+    path = cache_folder() / f"{name}.{_digest()}{SUFFIX}"
+
+    def geometry() -> Geometry:
+        # The scene may be whole where its geometry, read only now, is not.
+        try:
+            return read_geometry(path)
+        except _UNREADABLE:
+            scene, made = build()
+            _keep(path, scene, made)
+            return made
+
+    with suppress(*_UNREADABLE):
+        scene = read_scene(path)
+        if scene.name == name:
+            return scene, geometry
+    scene, made = build()
+    return scene, geometry if _keep(path, scene, made) else lambda: made
+
+
+def _keep(path: Path, scene: Scene, geometry: Geometry) -> bool:
+    """Write a file that nobody is to change, and remove older ones; return whether it is there."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        scene, geometry = build()
+        path.parent.mkdir(parents=True, exist_ok=True)
         write_scene(path, scene, geometry, SceneOrigin("bundled"))
-    except OSError as error:
-        raise InputError(
-            f"expected a folder to keep generated scenes in, got {error.strerror}; "
-            f"name another in {_VARIABLE}",
-            path=folder,
-        ) from error
-    for old in folder.glob(f"{name}.*{suffix}"):
+        path.chmod(0o444)
+    except _UNREADABLE:
+        _say_once(path.parent)
+        return False
+    for old in path.parent.glob(f"{path.name.split('.')[0]}.*{SUFFIX}"):
         if old != path:
-            old.unlink(missing_ok=True)
-    return path
+            with suppress(OSError):
+                old.unlink()
+    return True
+
+
+@cache
+def _say_once(folder: Path) -> None:
+    print(
+        f"scenes are made anew by every command, since {folder} cannot be written to; "
+        f"name another folder in {_VARIABLE}",
+        file=sys.stderr,
+    )
 
 
 @cache
 def _digest() -> str:
-    folder = Path(__file__).parents[1]
-    digest = hashlib.sha256(np.__version__.encode())
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(source.relative_to(folder).as_posix().encode())
+    root = Path(__file__).parents[2]
+    digest = hashlib.sha256(" ".join(version(library) for library in _LIBRARIES).encode())
+    for source in sorted((*(root / "base").rglob("*.py"), *(root / "models").rglob("*.py"))):
+        digest.update(source.relative_to(root).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]

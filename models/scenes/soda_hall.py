@@ -20,6 +20,7 @@ from .parts.floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, FloorPlan, plan_flo
 from .parts.furniture import CABINET, CHAIR, COMPUTER, DESK, LAMP, PLANT, SHELF, make_furniture
 from .parts.portals import potentially_visible
 from .parts.room_shell import Bay, shell_mesh, split_room
+from .scene_registry import BundledScene
 
 _SEED = 1993
 FLOORS = (29, 29, 29, 30, 30, 30)
@@ -149,3 +150,8 @@ def _cells(plans: list[FloorPlan], node_cell: IntArray) -> Cells:
         first += rooms
     visible[count - 1 :, count - 1] = True  # from above the roof and from outside
     return Cells(node_cell, np.concatenate(low), np.concatenate(high), visible)
+
+
+SODA_HALL = BundledScene(
+    "a building of six floors and 177 rooms, most of it behind walls", build_soda_hall
+)

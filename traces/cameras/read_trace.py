@@ -4,17 +4,35 @@ from itertools import islice
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.registry import Registry
 from .camera_trace import CameraTrace
-from .formats import euroc, headset, kitti, native_csv, native_parquet, tum
 from .text_lines import read_lines
 from .trace_format import TraceFormat
 
-FORMATS: dict[str, TraceFormat] = {
-    module.FORMAT.name: module.FORMAT
-    for module in (native_csv, native_parquet, tum, euroc, kitti, headset)
-}
+FORMATS: Registry[TraceFormat] = Registry(
+    "trace format",
+    TraceFormat,
+    f"{__package__}.formats",
+    {
+        "csv": "native_csv:FORMAT",
+        "parquet": "native_parquet:FORMAT",
+        "tum": "tum:FORMAT",
+        "euroc": "euroc:FORMAT",
+        "kitti": "kitti:FORMAT",
+        "headset": "headset:FORMAT",
+    },
+)
+"""All formats by name, in the order in which a file is shown to them."""
 
 HEAD_LINES = 100
+
+
+def register_format(name: str, known: TraceFormat) -> None:
+    """Give a format of your own a name, and show files to it before the others.
+
+    Raises `InputError` if the name is taken, or `known` is no `TraceFormat`.
+    """
+    FORMATS.register(name, known)
 
 
 def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
@@ -28,11 +46,12 @@ def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
         A path; after ``#``, which trace of a file that holds several (headset), or the file with
         the times (KITTI).
     format_name
-        A key of `FORMATS`; None recognises the format by the content.
+        A name in `FORMATS`, or ``file.py:NAME`` or ``package.module:NAME`` of a `TraceFormat`; None
+        recognises the format by the content.
     """
     path, selector = split_spec(spec)
-    chosen = format_of(path) if format_name is None else _named(format_name)
-    return chosen.read(path, selector)
+    name = format_of(path) if format_name is None else format_name
+    return FORMATS.find(name).read(path, selector)
 
 
 def split_spec(spec: str) -> tuple[Path, str | None]:
@@ -43,15 +62,15 @@ def split_spec(spec: str) -> tuple[Path, str | None]:
     return Path(name), selector
 
 
-def format_of(path: Path) -> TraceFormat:
-    """Format of a file, by its content.
+def format_of(path: Path) -> str:
+    """Name in `FORMATS` of a file's format, by its content.
 
     Raises `InputError` if the file cannot be read or no format recognises it.
     """
     lines = _head_lines(path)
-    for candidate in FORMATS.values():
-        if candidate.recognises(lines):
-            return candidate
+    for name in FORMATS:
+        if FORMATS.find(name).recognises(lines):
+            return name
     shown = next((line for line in lines if not line.startswith("#")), "no data")[:60]
     raise InputError(
         f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "
@@ -70,9 +89,3 @@ def _head_lines(path: Path) -> list[str]:
         pass  # reading the text says what is wrong
     stripped = (line.strip() for line in read_lines(path))
     return list(islice(filter(None, stripped), HEAD_LINES))
-
-
-def _named(name: str) -> TraceFormat:
-    if name not in FORMATS:
-        raise InputError(f"expected a format out of {', '.join(FORMATS)}, got {name!r}; name one")
-    return FORMATS[name]

@@ -1,4 +1,4 @@
-"""What a camera-trace format is: a name, how to recognise it, how to read and write it."""
+"""What a camera-trace format is: how to recognise it, how to read and write it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,8 +14,6 @@ class TraceFormat:
 
     Parameters
     ----------
-    name
-        What the command line calls it.
     what
         One line for tables.
     recognises
@@ -29,7 +27,6 @@ class TraceFormat:
         File names that `write_trace` takes for this format.
     """
 
-    name: str
     what: str
     recognises: Callable[[list[str]], bool]
     read: Callable[[Path, str | None], CameraTrace]

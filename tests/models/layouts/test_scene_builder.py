@@ -30,7 +30,7 @@ def build(ball_models: list[TypeModel]) -> Build:
 
 @settings(max_examples=50, deadline=None)
 @given(
-    layout=st.sampled_from(LAYOUTS),
+    layout=st.sampled_from(sorted(LAYOUTS)),
     count=st.integers(1, 80),
     spacing=st.floats(0.0, 3.0),
     variation=st.floats(0.0, 0.9),

@@ -9,7 +9,7 @@ from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.meshes.geometry import Geometry
 from lodbench.models.scene.scene import Scene
 from lodbench.models.scenes.market import build_market
-from lodbench.models.scenes.scene_registry import ABOUT
+from lodbench.models.scenes.scene_registry import SCENES
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def test_as_it_is_told(market: tuple[Scene, Geometry]) -> None:
     levels = scene.types.levels
     assert not levels.continuous.any()
     finest = levels.counts[levels.start[:-1], LEVEL_PREDICTORS.index("triangles")]
-    named = [int(n.replace(",", "")) for n in re.findall(r"[\d,]*\d", ABOUT["market"])]
+    named = [int(n.replace(",", "")) for n in re.findall(r"[\d,]*\d", SCENES.find("market").about)]
     assert named == [1_500, finest.min(), finest.max()]
 
 

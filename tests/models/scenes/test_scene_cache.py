@@ -1,64 +1,168 @@
-"""Generated scenes on disk: made once, found again, never stale."""
+"""Generated scenes on disk: made once, read again, healed when damaged."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from lodbench import InputError
 from lodbench.models.meshes.geometry import Geometry
 from lodbench.models.scene.scene import Scene
-from lodbench.models.scene.scene_file import read_scene
+from lodbench.models.scene.scene_file import write_scene
 from lodbench.models.scenes.scene_cache import cache_folder, cached_scene
+
+Build = Callable[[], tuple[Scene, Geometry]]
 
 
 @pytest.fixture
-def counted(
-    make_scene: Callable[..., Scene],
-) -> tuple[list[int], Callable[[], tuple[Scene, Geometry]]]:
-    """Return a maker of a scene, and the list in which it notes each use."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the cache's folder, which is not there yet."""
+    monkeypatch.setenv("LODBENCH_CACHE", str(tmp_path / "a" / "b"))
+    return tmp_path / "a" / "b"
+
+
+@pytest.fixture
+def counted(ball_scene: tuple[Scene, Geometry]) -> tuple[list[int], Build]:
+    """Return a maker of the scene of balls, and the list in which it notes each use."""
     used: list[int] = []
 
     def build() -> tuple[Scene, Geometry]:
         used.append(1)
-        return make_scene(np.zeros((2, 3))), ()
+        return ball_scene
 
     return used, build
 
 
-def test_a_scene_is_made_once(
-    counted: tuple[list[int], Callable[[], tuple[Scene, Geometry]]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The second time it is read; files of other digests of the same name are removed."""
-    monkeypatch.setenv("LODBENCH_CACHE", str(tmp_path / "a" / "b"))
+def the_file(folder: Path) -> Path:
+    """Return the one file that the folder holds."""
+    (path,) = folder.iterdir()
+    return path
+
+
+def test_a_scene_is_made_once(counted: tuple[list[int], Build], folder: Path) -> None:
+    """The second time it is read, from a file that nobody may write to."""
     used, build = counted
-    (tmp_path / "a" / "b").mkdir(parents=True)
-    old = tmp_path / "a" / "b" / "two.0123456789abcdef.lodscene"
-    other = tmp_path / "a" / "b" / "two-more.0123456789abcdef.lodscene"
-    old.write_bytes(b"")
-    other.write_bytes(b"")
-    path = cached_scene("two", ".lodscene", build)
-    assert cached_scene("two", ".lodscene", build) == path
+    made, geometry = cached_scene("balls", build)
+    again, read = cached_scene("balls", build)
     assert len(used) == 1
-    assert len(read_scene(path)) == 2
-    assert not old.exists()
-    assert other.exists()
+    assert (again.position_m == made.position_m).all()
+    for mesh, other in zip(geometry(), read(), strict=True):
+        assert (mesh.vertices == other.vertices).all()
+        assert (mesh.faces == other.faces).all()
+    assert len(used) == 1
+    assert the_file(folder).stat().st_mode & 0o777 == 0o444
 
 
-def test_a_cache_that_cannot_be_written_is_named(
-    counted: tuple[list[int], Callable[[], tuple[Scene, Geometry]]],
+def test_older_files_of_the_name_are_removed(
+    counted: tuple[list[int], Build], folder: Path
+) -> None:
+    """Those of other digests go; those of another scene whose name begins alike stay."""
+    folder.mkdir(parents=True)
+    for name in ("balls", "balls-more"):
+        (folder / f"{name}.0123456789abcdef.lodscene").write_bytes(b"")
+    cached_scene("balls", counted[1])
+    left = sorted(path.name.split(".")[0] for path in folder.iterdir())
+    assert left == ["balls", "balls-more"]
+    assert not (folder / "balls.0123456789abcdef.lodscene").exists()
+
+
+def _cut(data: bytes) -> bytes:
+    return data[: len(data) // 2]
+
+
+def _flip(data: bytes, at: int) -> bytes:
+    return data[:at] + bytes([data[at] ^ 0xFF]) + data[at + 1 :]
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"",
+        _cut,
+        lambda data: b"something else",
+        lambda data: _flip(data, 200),
+        lambda data: _flip(data, len(data) // 2),
+        lambda data: _flip(data, data.rindex(b"geometry") - 2000),
+    ],
+    ids=["empty", "cut", "foreign", "header", "middle", "geometry"],
+)
+def test_a_damaged_file_is_made_anew(
+    counted: tuple[list[int], Build], folder: Path, damage: Callable[[bytes], bytes]
+) -> None:
+    """Scene and geometry come whole whatever became of the file, and so do the next reader's."""
+    used, build = counted
+    cached_scene("balls", build)
+    path = the_file(folder)
+    whole = path.read_bytes()
+    path.chmod(0o644)
+    path.write_bytes(damage(whole))
+    scene, geometry = cached_scene("balls", build)
+    assert len(scene) == len(build()[0])
+    assert len(geometry()) == len(build()[1])
+    assert path.read_bytes() == whole
+    used.clear()
+    assert len(cached_scene("balls", build)[1]()) == len(scene.types.levels.error_m)
+    assert used == []
+
+
+def test_a_scene_of_another_name_is_not_taken(
+    counted: tuple[list[int], Build], folder: Path
+) -> None:
+    """A whole file that holds another scene than it is named after is made anew."""
+    used, build = counted
+    cached_scene("balls", build)
+    path = the_file(folder)
+    write_scene(path, replace(build()[0], name="others"), build()[1])
+    used.clear()
+    assert cached_scene("balls", build)[0].name == "balls"
+    assert used == [1]
+
+
+def test_geometry_outlives_its_file(counted: tuple[list[int], Build], folder: Path) -> None:
+    """Another version may remove the file between the scene and its geometry."""
+    _, build = counted
+    cached_scene("balls", build)
+    geometry = cached_scene("balls", build)[1]
+    the_file(folder).unlink()
+    assert len(geometry()) == len(build()[1])
+
+
+def test_without_a_folder_scenes_are_made_in_memory(
+    counted: tuple[list[int], Build],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """A file where the folder should be: the message says how to name another."""
+    """A file where the folder should be: the scene is there, and one line says what to do."""
     (tmp_path / "file").write_bytes(b"")
     monkeypatch.setenv("LODBENCH_CACHE", str(tmp_path / "file"))
-    with pytest.raises(InputError, match="name another in LODBENCH_CACHE") as caught:
-        cached_scene("two", ".lodscene", counted[1])
-    assert str(tmp_path / "file") in str(caught.value)
+    for _ in range(2):
+        scene, geometry = cached_scene("balls", counted[1])
+        assert len(geometry()) == len(scene.types.levels.error_m)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert str(tmp_path / "file") in said
+    assert "LODBENCH_CACHE" in said
+
+
+def test_two_processes_make_one_file(tmp_path: Path) -> None:
+    """Both return the scene, and leave one whole file and nothing beside it."""
+    code = (
+        "from lodbench.models.scene.scene_catalog import open_scene\n"
+        "opened = open_scene('crowd-32'); print(len(opened.scene), len(opened.read_geometry()))"
+    )
+    environment = os.environ | {"LODBENCH_CACHE": str(tmp_path)}
+    both = [
+        subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE)
+        for _ in range(2)
+    ]
+    printed = {process.communicate()[0] for process in both}
+    assert len(printed) == 1
+    assert printed.pop().startswith(b"32 ")
+    assert the_file(tmp_path).suffix == ".lodscene"
 
 
 @pytest.mark.parametrize(

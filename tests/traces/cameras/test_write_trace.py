@@ -26,7 +26,7 @@ def test_format_comes_from_the_name_or_is_named(
 ) -> None:
     """A suffix decides unless a format is given; what was written is read back."""
     trace = generate("walk", duration_s=1.0)
-    assert write_trace(trace, tmp_path / file, format_name).name == written
+    assert write_trace(trace, tmp_path / file, format_name) == written
     assert np.array_equal(read_trace(str(tmp_path / file)).position_m, trace.position_m)
     assert [path.name for path in tmp_path.iterdir()] == [file]
 

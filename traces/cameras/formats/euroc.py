@@ -76,5 +76,5 @@ def _recognises(head: list[str]) -> bool:
 
 
 FORMAT = TraceFormat(
-    "euroc", "EuRoC MAV ground truth: nanoseconds, position, qw qx qy qz", _recognises, read_euroc
+    "EuRoC MAV ground truth: nanoseconds, position, qw qx qy qz", _recognises, read_euroc
 )

@@ -119,7 +119,6 @@ def _recognises(head: list[str]) -> bool:
 
 
 FORMAT = TraceFormat(
-    "headset",
     "Unity headset CSV; choose FILE#PARTICIPANT or FILE#PARTICIPANT/SEQUENCE",
     _recognises,
     read_headset,

@@ -105,7 +105,6 @@ def _recognises(head: list[str]) -> bool:
 
 
 FORMAT = TraceFormat(
-    "kitti",
     "KITTI odometry poses, with their times in a second file",
     _recognises,
     read_kitti,

@@ -103,5 +103,5 @@ def _recognises(head: list[str]) -> bool:
 
 
 FORMAT = TraceFormat(
-    "csv", "native CSV: " + ",".join(COLUMNS), _recognises, read_csv, write_csv, (".csv",)
+    "native CSV: " + ",".join(COLUMNS), _recognises, read_csv, write_csv, (".csv",)
 )

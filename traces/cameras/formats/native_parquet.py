@@ -112,6 +112,4 @@ def _recognises(head: list[str]) -> bool:
     return bool(head) and head[0].startswith("PAR1")
 
 
-FORMAT = TraceFormat(
-    "parquet", "native Parquet", _recognises, read_parquet, write_parquet, (".parquet",)
-)
+FORMAT = TraceFormat("native Parquet", _recognises, read_parquet, write_parquet, (".parquet",))

@@ -69,7 +69,6 @@ def _recognises(head: list[str]) -> bool:
 
 
 FORMAT = TraceFormat(
-    "tum",
     "TUM RGB-D: timestamp tx ty tz qx qy qz qw",
     _recognises,
     read_tum,

@@ -22,8 +22,10 @@ from ....base.errors import InputError
 from ....base.json_file import read_json
 from ....base.text_file import read_text
 from ....base.whole_file import whole_text_file
+from ..log_format import LogFormat, LogHead
+from ..log_timings import log_from_timings
 from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
-from .presentmon import open_present_table, read_present_table
+from .presentmon import is_presentmon, open_present_table, read_present_table
 
 _Numbers = list[float | Literal["NaN"]]
 _ADVICE = "give a record that CapFrameX saved"
@@ -199,3 +201,16 @@ def _zero_where(timings: FrameTimings, values: FloatArray) -> FloatArray:
 
 def _list(values: FloatArray) -> _Numbers:
     return ["NaN" if math.isnan(value) else value for value in values.tolist()]
+
+
+def _recognises(head: LogHead) -> bool:
+    first = head.lines[0] if head.lines else ""
+    return first.startswith("{") or (first.startswith("//") and is_presentmon(head.header))
+
+
+FORMAT = LogFormat(
+    "CapFrameX, JSON or CSV; times only",
+    _recognises,
+    lambda path, _: log_from_timings(read_capframex(path), path.stem),
+    predictors=False,
+)

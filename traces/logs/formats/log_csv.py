@@ -6,16 +6,17 @@ Lodbench's own has the columns ``draw_calls, vertices, triangles, shaded_samples
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..log_build import build_log
 from ..log_columns import find_columns
+from ..log_format import Columns, LogFormat
 from ..log_table import read_log_bytes, split_table
 from ..render_log import RenderLog
 
 
-def read_csv_log(path: Path, mapping: Mapping[str, str] | None = None) -> RenderLog:
+def read_csv_log(path: Path, mapping: Columns = None) -> RenderLog:
     """Return the log in a CSV; mapped columns go before those known by an alias.
 
     Raises `InputError` if no column holds a time, or a row is broken.
@@ -46,3 +47,6 @@ def header_pairs(comments: Sequence[str]) -> tuple[tuple[str, str], ...]:
         elif part:
             pairs.append(("version", part))
     return tuple(pairs)
+
+
+FORMAT = LogFormat("any CSV with a header, lodbench's own among them", lambda _: True, read_csv_log)

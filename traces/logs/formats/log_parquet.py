@@ -3,7 +3,6 @@
 The schema's metadata ``lodbench.header`` may hold the comment line of the CSV.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,15 @@ import numpy as np
 from ....base.errors import InputError
 from ..log_build import build_log
 from ..log_columns import find_columns
+from ..log_format import Columns, LogFormat
 from ..render_log import RenderLog
 from .log_csv import header_pairs
 
-MAGIC = b"PAR1"
+_MAGIC = b"PAR1"
 HEADER_KEY = b"lodbench.header"
 
 
-def read_parquet_log(path: Path, mapping: Mapping[str, str] | None = None) -> RenderLog:
+def read_parquet_log(path: Path, mapping: Columns = None) -> RenderLog:
     """Return the log in a Parquet file; mapped columns go before those known by an alias.
 
     Raises `InputError` if the file is damaged, no column holds a time, or one is not of numbers.
@@ -54,3 +54,10 @@ def read_parquet_log(path: Path, mapping: Mapping[str, str] | None = None) -> Re
         header=header_pairs([comment]),
         notes=notes,
     )
+
+
+FORMAT = LogFormat(
+    "the columns of the CSV as Parquet",
+    lambda head: head.data.startswith(_MAGIC),
+    read_parquet_log,
+)

@@ -16,16 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from ....base.errors import InputError
+from ..log_format import LogFormat, LogHead
 from ..log_table import LogTable, log_lines, read_log_bytes, split_table
 from ..render_log import FloatArray, RenderLog
 
 _SYSTEM = "os,cpu,gpu,"
 _HEADER_WITHIN = 12  # lines
-
-
-def is_mangohud(lines: Sequence[str]) -> bool:
-    """Return whether these first lines are of a log or a summary of MangoHud."""
-    return any(line.startswith((_SYSTEM, "0.1% Min FPS")) for line in lines[:_HEADER_WITHIN])
 
 
 def read_mangohud(path: Path) -> RenderLog:
@@ -82,3 +78,13 @@ def _system(lines: Sequence[str]) -> tuple[tuple[str, str], ...]:
         elif re.fullmatch(r"v\d+", above):
             pairs.append(("version", line))
     return tuple(pairs)
+
+
+def _recognises(head: LogHead) -> bool:
+    marks = (_SYSTEM, "0.1% Min FPS")  # of a log, and of a summary, which is refused
+    return any(line.startswith(marks) for line in head.lines[:_HEADER_WITHIN])
+
+
+FORMAT = LogFormat(
+    "MangoHud; times only", _recognises, lambda path, _: read_mangohud(path), predictors=False
+)

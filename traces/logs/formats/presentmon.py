@@ -25,7 +25,9 @@ import numpy as np
 
 from ....base.errors import InputError
 from ....base.text_file import read_encoded
+from ..log_format import LogFormat
 from ..log_table import LogTable, split_table
+from ..log_timings import log_from_timings
 from ..presentmon_clock import present_clock
 from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
 
@@ -260,3 +262,11 @@ def _dialect(table: LogTable) -> str:
     if "frametime" in names:
         return "presentmon-v2"
     return "presentmon" if "msbetweenappstart" in names else "presentmon-v1"
+
+
+FORMAT = LogFormat(
+    "PresentMon and OCAT; times only",
+    lambda head: is_presentmon(head.header),
+    lambda path, _: log_from_timings(read_presentmon(path), path.stem),
+    predictors=False,
+)

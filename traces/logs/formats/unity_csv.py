@@ -7,7 +7,7 @@ and none 10,000 ns.  ``cpu_ms`` is the longer of main and render thread.  Profil
 CSV (``Frame Time (ms)`` between semicolons) is read for its times.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from ..log_build import build_log
 from ..log_columns import Column, find_columns
+from ..log_format import Columns, LogFormat
 from ..log_table import LogTable, read_log_bytes, split_table
 from ..render_log import TIMES, FloatArray, RenderLog
 
@@ -29,12 +30,7 @@ _THREADS = ("CPU Main Thread Frame Time", "CPU Render Thread Frame Time")
 _NS_ABOVE = 1e4
 
 
-def is_unity(header: Sequence[str]) -> bool:
-    """Return whether a column has the name of one of Unity's counters."""
-    return not _MARKS.isdisjoint(header)
-
-
-def read_unity_csv(path: Path, mapping: Mapping[str, str] | None = None) -> RenderLog:
+def read_unity_csv(path: Path, mapping: Columns = None) -> RenderLog:
     """Return the log of a CSV of counters; mapped columns go before the usual ones.
 
     Raises `InputError` if the file has no rows, no known time, or no number where one is expected.
@@ -71,3 +67,10 @@ def _with_unit(
     changed = (replace(column, unit="ns") if column in unnamed else column for column in columns)
     note = f"times are nanoseconds, since their median is {np.median(measured):.3g}"
     return tuple(changed), (note,)
+
+
+FORMAT = LogFormat(
+    "Unity's profiler counters as CSV",
+    lambda head: not _MARKS.isdisjoint(head.header),
+    read_unity_csv,
+)

@@ -10,7 +10,7 @@ Layout as in Unreal 4.19 to 5.5; written from files, not from the engine's sourc
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ import numpy as np
 from ....base.errors import InputError
 from ..log_build import build_log
 from ..log_columns import find_columns
+from ..log_format import Columns, LogFormat, LogHead
 from ..log_table import LogTable, read_log_bytes, split_table
 from ..render_log import RenderLog
 
@@ -27,12 +28,7 @@ _AT_END = "HasHeaderRowAtEnd"
 _EVENTS = "EVENTS"
 
 
-def is_unreal(header: Sequence[str]) -> bool:
-    """Return whether these are columns of the CSV profiler."""
-    return header[:1] == (_EVENTS,) or {"GameThreadTime", "RenderThreadTime"} <= set(header)
-
-
-def read_unreal_csv(path: Path, mapping: Mapping[str, str] | None = None) -> RenderLog:
+def read_unreal_csv(path: Path, mapping: Columns = None) -> RenderLog:
     """Return the log of a capture; mapped columns go before the usual ones.
 
     Raises `InputError` if the file has no rows, no known time, or no number where one is expected.
@@ -103,3 +99,10 @@ def _unseen(header: Sequence[str]) -> list[str]:
     if not any("Nanite" in name for name in header):
         return []
     return ["there are columns of Nanite, whose triangles RHI/PrimitivesDrawn does not count"]
+
+
+def _recognises(head: LogHead) -> bool:
+    return head.header[:1] == (_EVENTS,) or {*_THREADS[:2]} <= set(head.header)
+
+
+FORMAT = LogFormat("Unreal's CSV profiler", _recognises, read_unreal_csv)

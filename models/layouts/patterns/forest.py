@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...base.arrays import FloatArray
-from .packing import default_side_m, pack_discs, require_side
+from ....base.arrays import FloatArray
+from ..packing import default_side_m, pack_discs, require_side
 
 _COVERAGE = 0.15  # of the square chosen when no side is given
 _MAX_COVERAGE = 0.3

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ....base.arrays import FloatArray
 
 _EDGE = 6  # lots along a block's edge; the lots inside stay empty, as a courtyard
 _STREET_M = 10.0
 
 
-def city(radius_m: FloatArray) -> FloatArray:
+def city(radius_m: FloatArray, _side_m: float | None, _rng: np.random.Generator) -> FloatArray:
     """Return centres (N, 2): 20 lots a block, blocks in a square, streets 10 m wide."""
     lot = 2.0 * float(radius_m.max())
     ring = [(i, j) for j in range(_EDGE) for i in range(_EDGE) if {i, j} & {0, _EDGE - 1}]

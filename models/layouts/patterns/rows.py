@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ....base.arrays import FloatArray
 
 
-def rows(radius_m: FloatArray) -> FloatArray:
+def rows(radius_m: FloatArray, _side_m: float | None, _rng: np.random.Generator) -> FloatArray:
     """Return centres (N, 2): discs side by side along x, an aisle as wide as a row between rows."""
     count = len(radius_m)
     pitch = 4.0 * float(radius_m.max())

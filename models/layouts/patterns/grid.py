@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ....base.arrays import FloatArray
 
 
-def grid(radius_m: FloatArray) -> FloatArray:
+def grid(radius_m: FloatArray, _side_m: float | None, _rng: np.random.Generator) -> FloatArray:
     """Return centres (N, 2) row by row, as far apart as the two largest discs need."""
     count = len(radius_m)
     columns = math.ceil(math.sqrt(count))
