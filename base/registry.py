@@ -39,6 +39,11 @@ class Registry(Collection[str], Generic[Thing]):
     def __contains__(self, name: object) -> bool:
         return name in self._users or name in self._ours
 
+    @property
+    def users(self) -> dict[str, Thing]:
+        """The things of a user that have a name of their own."""
+        return dict(self._users)
+
     def find(self, name: str) -> Thing:
         """Return the thing of a name.
 

@@ -6,59 +6,57 @@ are imported when they are made, not before.
 """
 
 import difflib
-import importlib
 import inspect
-import re
 import types
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, TypeAlias, get_args
 
 import msgspec
 
 from ..base.errors import InputError
+from ..base.registry import Registry
 from .policy_spec import Parameter, PolicySpec, parameters
 from .protocol import Policy
-from .user_file import load_user_file
 
-REGISTERED = {
-    "full": "bounds.full:Full",
-    "static-distance": "thresholds.static_distance:StaticDistance",
-    "static-screen": "thresholds.static_screen:StaticScreen",
-    "feedback": "controllers.feedback:Feedback",
-    "lodmanager": "budgets.lodmanager:LodManager",
-    "funkhouser": "budgets.funkhouser:Funkhouser",
-    "gobbetti": "budgets.gobbetti:Gobbetti",
-    "gobbetti-custom": "budgets.gobbetti_custom:GobbettiCustom",
-    "wimmer": "budgets.wimmer:Wimmer",
-    "peng": "budgets.peng:Peng",
-    "hlod-hysteresis": "hierarchies.hlod_hysteresis:HlodHysteresis",
-    "mason-blake": "hierarchies.mason_blake:MasonBlake",
-    "maciel": "hierarchies.maciel:Maciel",
-    "erikson": "hierarchies.erikson:Erikson",
-    "zach": "budgets.zach:Zach",
-    "screen-space-error": "thresholds.screen_space_error:ScreenSpaceError",
-    "pixel-error": "thresholds.pixel_error:PixelError",
-    "cluster-cut": "hierarchies.cluster_cut:ClusterCut",
-    "hoppe": "controllers.hoppe:Hoppe",
-    "unity-adaptive": "controllers.unity_adaptive:UnityAdaptive",
-    "unreal-dynamic": "controllers.unreal_dynamic:UnrealDynamic",
-    "pid": "controllers.pid:Pid",
-    "oracle": "bounds.oracle:Oracle",
-    "predictive": "controllers.predictive:Predictive",
-}
-"""Class of each policy of the package, as ``module:Class`` in this folder."""
-
-_own: dict[str, type[Any]] = {}
-"""Classes that users gave a name of their own."""
+REGISTERED: Registry[object] = Registry(
+    "policy",
+    object,
+    f"{__package__}",
+    {
+        "full": "bounds.full:Full",
+        "static-distance": "thresholds.static_distance:StaticDistance",
+        "static-screen": "thresholds.static_screen:StaticScreen",
+        "feedback": "controllers.feedback:Feedback",
+        "lodmanager": "budgets.lodmanager:LodManager",
+        "funkhouser": "budgets.funkhouser:Funkhouser",
+        "gobbetti": "budgets.gobbetti:Gobbetti",
+        "gobbetti-custom": "budgets.gobbetti_custom:GobbettiCustom",
+        "wimmer": "budgets.wimmer:Wimmer",
+        "peng": "budgets.peng:Peng",
+        "hlod-hysteresis": "hierarchies.hlod_hysteresis:HlodHysteresis",
+        "mason-blake": "hierarchies.mason_blake:MasonBlake",
+        "maciel": "hierarchies.maciel:Maciel",
+        "erikson": "hierarchies.erikson:Erikson",
+        "zach": "budgets.zach:Zach",
+        "screen-space-error": "thresholds.screen_space_error:ScreenSpaceError",
+        "pixel-error": "thresholds.pixel_error:PixelError",
+        "cluster-cut": "hierarchies.cluster_cut:ClusterCut",
+        "hoppe": "controllers.hoppe:Hoppe",
+        "unity-adaptive": "controllers.unity_adaptive:UnityAdaptive",
+        "unreal-dynamic": "controllers.unreal_dynamic:UnrealDynamic",
+        "pid": "controllers.pid:Pid",
+        "oracle": "bounds.oracle:Oracle",
+        "predictive": "controllers.predictive:Predictive",
+    },
+)
+"""The policy classes by name."""
 
 PolicyLike: TypeAlias = str | type[Any] | Policy | PolicySpec
 """A policy as a user may give it: by name, as a class, or as an object."""
 
 PolicyLikes: TypeAlias = PolicyLike | Sequence[PolicyLike] | Mapping[str, PolicyLike]
 """One policy, several, or several by label."""
-
 
 _ON_REQUEST = ("gobbetti-custom", "predictive")
 """Policies that run when named: by default they are another policy, solved slowly or wrapped."""
@@ -85,7 +83,10 @@ def parse_policy(text: str) -> PolicySpec:
         if not equals:
             raise InputError(f"policy {text}: expected key=value, got {item}")
         if key not in known:
-            raise InputError(f"policy {name}: {unknown('parameter', key, known)}")
+            near = difflib.get_close_matches(key, known, 1)
+            hint = f"did you mean {near[0]}? " if near else ""
+            listed = ", ".join(sorted(known)) or "none"
+            raise InputError(f"policy {name}: unknown parameter {key}; {hint}known: {listed}")
         params[key] = _convert(value.strip(), known[key], text)
     return PolicySpec(text, name, cls, params)
 
@@ -108,10 +109,10 @@ def spec_of(policy: PolicyLike, label: str | None = None) -> PolicySpec:
     elif isinstance(policy, str):
         spec = parse_policy(policy)
     elif isinstance(policy, type):
-        name = _name_of(policy)
+        name = policy.__name__
         spec = PolicySpec(name, name, _policy_class(name, policy), {})
     else:
-        name, params = _name_of(type(policy)), _given(policy)
+        name, params = type(policy).__name__, _given(policy)
         cls = _policy_class(name, type(policy))
         spec = PolicySpec(policy_text(name, params), name, cls, params, policy)
     return spec if label is None else replace(spec, label=label)
@@ -140,30 +141,11 @@ def require_distinct(specs: Sequence[PolicySpec]) -> None:
 
 
 def register_policy(name: str, cls: type[Any]) -> None:
-    """Give a policy class a name of its own, for as long as this process lives.
+    """Give a policy class a name of its own in this process; the last one of a name counts.
 
-    Raises `InputError` if the name is the package's own or could not be written on a command line,
-    or if the class is no policy.
+    Raises `InputError` if the name is one of ours or holds a colon, or the class is no policy.
     """
-    if name in REGISTERED or not re.fullmatch(r"[\w.-]+", name):
-        raise InputError(
-            f"policy name: expected letters, digits, dots and hyphens that name no policy of "
-            f"lodbench's, got {name!r}; choose another"
-        )
-    _own[name] = _policy_class(name, cls)
-
-
-def own_policies() -> dict[str, type[Any]]:
-    """Return the classes that `register_policy` was given, by name."""
-    return dict(_own)
-
-
-def unknown(what: str, got: str, known: Iterable[str]) -> str:
-    """Return the sentence for an unknown name: the nearest, then all that are known."""
-    names = sorted(known)
-    near = difflib.get_close_matches(got, names, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return f"unknown {what} {got}; {hint}known: {', '.join(names) or 'none'}"
+    REGISTERED.register(name, _policy_class(name, cls))
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -178,39 +160,16 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _class_of(name: str) -> type[Any]:
-    if name in _own:
-        return _own[name]
-    if name in REGISTERED:
-        module, _, cls = REGISTERED[name].partition(":")
-        return getattr(importlib.import_module(f".{module}", __package__), cls)
-    where, _, cls = name.rpartition(":")
-    if where in _own or where in REGISTERED:
-        raise InputError(f"policy {where}: expected key=value after the colon, got {cls or name}")
-    if not (where and cls):
-        known = unknown("policy", name, {*REGISTERED, *_own})
-        raise InputError(f"{known}; or name your own as file.py:Class")
-    module = load_user_file(Path(where)) if where.endswith(".py") else _import(where)
-    named: object = getattr(module, cls, None)
-    if not inspect.isclass(named):
-        classes = [
-            n for n, c in vars(module).items() if inspect.isclass(c) and hasattr(c, "select")
-        ]
-        raise InputError(f"policy {where}: {unknown('class', cls, classes)}")
-    return _policy_class(name, named)
+    owner, _, rest = name.rpartition(":")
+    if owner in REGISTERED:
+        raise InputError(f"policy {owner}: expected key=value after the colon, got {rest or name}")
+    return _policy_class(name, REGISTERED.find(name))
 
 
-def _policy_class(name: str, cls: type[Any]) -> type[Any]:
+def _policy_class(name: str, cls: object) -> type[Any]:
     if not (inspect.isclass(cls) and hasattr(cls, "select") and hasattr(cls, "reset")):
         raise InputError(f"policy {name}: expected a class with reset and select")
     return cls
-
-
-def _name_of(cls: type[Any]) -> str:
-    """Return the name that a class is registered by, else its own."""
-    home = f"{cls.__module__.removeprefix(f'{__package__}.')}:{cls.__qualname__}"
-    own = (name for name, other in _own.items() if other is cls)
-    packaged = (name for name, reference in REGISTERED.items() if reference == home)
-    return next(own, next(packaged, cls.__name__))
 
 
 def _given(policy: Policy) -> dict[str, object]:
@@ -229,13 +188,6 @@ def _word(value: object) -> object:
     if isinstance(value, bool):
         return "on" if value else "off"
     return "none" if value is None else value
-
-
-def _import(name: str) -> types.ModuleType:
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise InputError(f"policy module {name}: {error}; is it installed?") from error
 
 
 def _convert(value: str, parameter: Parameter, text: str) -> object:

@@ -9,8 +9,8 @@ from multiprocessing import get_context
 from typing import Any, TypeAlias
 
 from ...base.errors import InputError
-from ...policies.registry import own_policies, register_policy
-from ...policies.user_file import pickle_for_worker
+from ...base.user_code import pickle_for_worker
+from ...policies.registry import REGISTERED, register_policy
 from .score import Job, Scored, World, score
 
 RunJobs: TypeAlias = Callable[[Sequence[Job]], Iterable[Scored]]
@@ -57,7 +57,7 @@ def _message(job: Job) -> tuple[str, bytes]:
     """Return a job and the names that its policy may look up, for another process."""
     label = job.policy.label
     try:
-        return label, pickle_for_worker((own_policies(), job))
+        return label, pickle_for_worker((REGISTERED.users, job))
     except Exception as error:  # whatever the state of a user's object raises
         raise _unreachable(label, error) from error
 
