@@ -1,7 +1,6 @@
 """`lodbench check`: the frame-budget gate for continuous integration."""
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -98,9 +97,7 @@ def check(
             warmup=warmup,
             place=place,
         )
-        sampling = MeasureOptions(
-            seeds=seeds, resamples=resamples, draws=draws, workers=workers or os.cpu_count() or 1
-        )
+        sampling = MeasureOptions(seeds=seeds, resamples=resamples, draws=draws, workers=workers)
         conditions, measured = measure_plan(plan, sampling)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)

@@ -11,7 +11,6 @@ from ..base.errors import InputError
 from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.fit.fit import Source
     from ..traces.logs.render_log import TimeName
 
 
@@ -97,8 +96,9 @@ def fit(
     Prints the posterior of its coefficients, what a statistician would ask of it, and the error on
     frames that were held out.
     """
-    from ..analysis.fit.fit import FitOptions, fit_logs, target_of
+    from ..analysis.fit.fit import FitOptions, Source, fit_logs, target_of
     from ..analysis.fit.fit_document import fit_record
+    from ..analysis.fit.log_files import log_path
     from ..analysis.fit.sampling.sampler import SamplerOptions
     from ..models.machine.profile_catalog import load_hardware
 
@@ -111,7 +111,8 @@ def fit(
         SamplerOptions(walkers, steps, seed),
     )
     pairs = _pairs(mapping)
-    sources = [_source(path, pairs, log_format) for path in paths]
+    sources = [Source.read(path, pairs or None, log_format) for path in paths]
+    others = [Source.read(log_path(name), pairs or None, log_format).log for name in predict or ()]
     time: TimeName = (
         target_of(sources[0].log)
         if target is None
@@ -124,7 +125,7 @@ def fit(
             sources,
             time,
             options,
-            transfer=[_source(_path(name), pairs, log_format).log for name in predict or ()],
+            transfer=others,
             resume=resume,
             progress=progress,
         )
@@ -151,21 +152,16 @@ def _asked(
 ) -> tuple[list[Path], str, str | None]:
     """Return the files to fit, the terms and the target: those given, else the bundled ones."""
     from ..analysis.fit.bundled_logs import bundled_fit
+    from ..analysis.fit.log_files import log_path
 
     if bool(logs) is (bundled is not None):
         got = "both" if logs else "neither"
         raise InputError(f"fit: expected LOG… or --bundled PROFILE, got {got}; give one")
     if bundled is None:
-        return [_path(name) for name in logs], "auto" if terms is None else terms, target
+        return [log_path(name) for name in logs], "auto" if terms is None else terms, target
     found = bundled_fit(bundled)
     terms = found.terms if terms is None else terms
     return list(found.logs), terms, found.target if target is None else target
-
-
-def _path(name: str) -> Path:
-    from ..analysis.fit.bundled_logs import bundled_log
-
-    return bundled_log(name) or Path(name)
 
 
 def _one_of(option: str, value: str, known: tuple[Any, ...]) -> Any:
@@ -181,17 +177,6 @@ def _pairs(text: str) -> dict[str, str]:
         if not (name.strip() and equals and column.strip()):
             raise InputError(f"--map: expected name=COLUMN,name=COLUMN, got {text}")
     return {name.strip(): column.strip() for name, _, column in pairs}
-
-
-def _source(path: Path, pairs: dict[str, str], log_format: str | None) -> "Source":
-    import hashlib
-
-    from ..analysis.fit.fit import Source
-    from ..traces.logs.read_log import read_render_log
-
-    log = read_render_log(path, pairs or None, log_format)
-    with path.open("rb") as file:
-        return Source(log, hashlib.file_digest(file, "sha256").hexdigest())
 
 
 def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path | None) -> None:

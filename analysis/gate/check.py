@@ -6,14 +6,9 @@ from itertools import product
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...models.machine.hardware import HardwareProfile
-from ...models.machine.profile_catalog import load_hardware
-from ...models.scene.scene import Scene
-from ...models.scene.scene_catalog import load_scene
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.replay import ReplayOptions
-from ...traces.cameras.camera_trace import CameraTrace
-from ..study.inputs import load_trace
+from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
 from ..study.score import World
 from .baseline import read_baseline
 from .check_result import CheckReport, judge_all
@@ -36,9 +31,9 @@ class CheckPlan:
     """
 
     policies: PolicyLikes
-    scenes: tuple[str | Scene, ...] = ("plaza",)
-    traces: tuple[str | CameraTrace, ...] = ("tour",)
-    hardware: str | HardwareProfile = "desktop-assumed"
+    scenes: tuple[SceneLike, ...] = ("plaza",)
+    traces: tuple[TraceLike, ...] = ("tour",)
+    hardware: HardwareLike = "desktop-assumed"
     budget_ms: float | None = None
     seed: int = 0
     frames: int | None = None
@@ -56,21 +51,20 @@ def measure_plan(
     """
     if not plan.policies:
         raise InputError("policy: expected the policies to check, got none; name one")
-    profile = load_hardware(plan.hardware) if isinstance(plan.hardware, str) else plan.hardware
+    profile = as_hardware(plan.hardware)
     budget_ms = 1e3 / profile.display.refresh_hz if plan.budget_ms is None else plan.budget_ms
     options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
     specs = specs_of(plan.policies)
-    scenes = [load_scene(item) if isinstance(item, str) else item for item in plan.scenes]
-    found: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
-    for scene, item in product(scenes, plan.traces):
-        trace = load_trace(item, scene, plan.place) if isinstance(item, str) else item
+    results: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
+    for scene, item in product(map(as_scene, plan.scenes), plan.traces):
+        trace = as_trace(item, scene, plan.place)
         names = (scene.name, trace.name)
-        if names in found:
+        if names in results:
             raise InputError(f"expected scenes and traces of different names, got {names} twice")
         world = World(scene, trace, profile, options, plan.warmup)
-        found[names] = measure(specs, world, sampling)
-    conditions = next(iter(found.values()))[0]
-    return conditions, [item for _, measured in found.values() for item in measured]
+        results[names] = measure(specs, world, sampling)
+    conditions = next(iter(results.values()))[0]
+    return conditions, [item for _, measured in results.values() for item in measured]
 
 
 def judge_measured(

@@ -39,7 +39,7 @@ class MeasureOptions:
     draws : int
         Posterior draws of the cost model to replay under each seed, if the profile has them.
     workers : int
-        Processes; results do not depend on it.
+        Processes; 0 for as many as there are processors.  Results do not depend on it.
     """
 
     seeds: int = 4  # enough to find 5 % more in the 99th percentile of 200 frames; see docs/ci.md
@@ -48,7 +48,7 @@ class MeasureOptions:
     workers: int = 1
 
     def __post_init__(self) -> None:
-        for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 1)):
+        for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 0)):
             value = getattr(self, name)
             if value < low:
                 raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
@@ -109,8 +109,7 @@ def measure(
     require_distinct(policies)
     unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
     fit = [spec for spec in policies if unfit[spec.label] is None]
-    jobs = len(fit) * sampling.seeds
-    with started(world, min(sampling.workers, max(jobs, 1))) as run_jobs:
+    with started(world, sampling.workers, len(fit) * sampling.seeds) as run_jobs:
         scored = _run(fit, world, sampling, run_jobs)
     options, names = world.options, (world.scene.name, world.trace.name)
     measured: list[MeasuredPolicy] = []

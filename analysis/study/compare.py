@@ -1,7 +1,6 @@
 """Compare policies: replay each in the same world and score all on the same footing."""
 
 import itertools
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -54,11 +53,6 @@ class CompareOptions:
             if value < low:
                 raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
 
-    @property
-    def processes(self) -> int:
-        """Number of processes."""
-        return self.workers or os.cpu_count() or 1
-
 
 def compare(
     policies: Sequence[PolicySpec],
@@ -86,7 +80,7 @@ def compare(
     fit = [spec for spec in policies if unfit[spec.label] is None]
     total = len(fit) * (1 + len(draws))
     each = _per_draw(options, draws)
-    with started(world, min(options.processes, total)) as run_jobs:
+    with started(world, options.workers, total) as run_jobs:
         means, drawn = _run(fit, draws, each, _counted(run_jobs, total, progress))
     results = tuple(_result(spec, unfit[spec.label], means, drawn) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
