@@ -4,8 +4,6 @@ from .measured_frames import Run
 from .metric import metric
 from .statistic import Statistic, mean
 
-__all__: list[str] = []
-
 
 @metric("flicker", "switches", "lower")
 def toggles_per_frame(run: Run) -> Statistic:

@@ -1,16 +1,29 @@
 """All metrics, in the order in which tables show them."""
 
 import difflib
+from importlib import import_module
 
 from ...base.errors import InputError
-from . import flicker, lag, quality, stability, work
-from .metric import Metric
+from .metric import GROUPS, Metric
+
+_MODULES = (
+    "stability",
+    "lag",
+    "flicker",
+    "quality",
+    "work",
+)
 
 METRICS: tuple[Metric, ...] = tuple(
-    item
-    for module in (stability, lag, flicker, quality, work)
-    for item in vars(module).values()
-    if isinstance(item, Metric)
+    sorted(
+        (
+            item
+            for module in _MODULES
+            for item in vars(import_module(f".{module}", __package__)).values()
+            if isinstance(item, Metric)
+        ),
+        key=lambda metric: GROUPS.index(metric.group),
+    )
 )
 _BY_ID = {metric.id: metric for metric in METRICS}
 

@@ -6,8 +6,6 @@ from .measured_frames import Run
 from .metric import metric
 from .statistic import Statistic, mean, ratio
 
-__all__: list[str] = []
-
 
 @metric("quality", "px", "lower")
 def sse_px_p95(run: Run) -> Statistic:

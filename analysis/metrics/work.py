@@ -6,8 +6,6 @@ from .measured_frames import Run
 from .metric import metric
 from .statistic import Statistic, maximum, mean, quantile
 
-__all__: list[str] = []
-
 
 @metric("work", "ms", "lower")
 def select_ms_mean(run: Run) -> Statistic:

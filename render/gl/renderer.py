@@ -49,13 +49,17 @@ class Renderer:
     ----------
     instancing
         Draw all instances of a level by one call a part, instead of each object by its own.
+
+    Attributes
+    ----------
+    context : moderngl.Context
     """
 
     def __init__(
         self, target: Target, scene: Scene, geometry: Geometry, *, instancing: bool
     ) -> None:
         context = target.context
-        self._target, self._context = target, context
+        self._target, self.context = target, context
         self._scene, self._instancing = scene, instancing
         self._meshes = upload(context, scene, geometry)
         self._colors = palette(len(scene.types.names))
@@ -74,7 +78,7 @@ class Renderer:
         for batch in frame.batches:
             for part in self._meshes.parts[batch.row]:
                 self._program(skinned=self._meshes.skinned[batch.row], textured=part.textured)
-        self._framebuffer(frame.size_px)
+        self.framebuffer(frame.size_px)
         return frame
 
     def count(self, frame: Frame) -> Counts:
@@ -83,12 +87,12 @@ class Renderer:
 
     def draw(self, frame: Frame) -> Timing:
         """Draw a frame and wait until it is done."""
-        picture = self._framebuffer(frame.size_px)
+        picture = self.framebuffer(frame.size_px)
         start = time.perf_counter_ns()
         with self._query:
-            self._submit(frame, picture)
+            self.submit(frame, picture)
         submitted = time.perf_counter_ns()
-        self._context.finish()
+        self.context.finish()
         end = time.perf_counter_ns()
         gpu_ms, samples = self._query.elapsed * 1e-6, self._query.samples
         self._target.show(picture)
@@ -101,15 +105,16 @@ class Renderer:
         frame = self.prepare(picture)
         self.draw(frame)
         width, height = frame.size_px
-        data = self._framebuffer(frame.size_px).read(components=3, alignment=1)
+        data = self.framebuffer(frame.size_px).read(components=3, alignment=1)
         pixels = np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3)[::-1]
         full = (picture.camera.width_px, picture.camera.height_px)
         if full == frame.size_px:
             return pixels
         return np.asarray(Image.fromarray(pixels).resize(full, Image.Resampling.BILINEAR))
 
-    def _submit(self, frame: Frame, picture: "moderngl.Framebuffer") -> None:
-        context, meshes = self._context, self._meshes
+    def submit(self, frame: Frame, picture: "moderngl.Framebuffer") -> None:
+        """Hand a frame that is to be drawn on a picture to OpenGL, and wait for nothing."""
+        context, meshes = self.context, self._meshes
         picture.use()
         context.enable_only(context.DEPTH_TEST)
         picture.clear(*_SKY, depth=1.0)
@@ -139,7 +144,7 @@ class Renderer:
         key = (skinned, textured)
         if key not in self._programs:
             self._programs[key] = make_program(
-                self._context, self._meshes, skinned=skinned, textured=textured
+                self.context, self._meshes, skinned=skinned, textured=textured
             )
         return self._programs[key]
 
@@ -148,15 +153,15 @@ class Renderer:
         if size <= buffer.size:
             return buffer
         buffer.release()
-        return self._context.buffer(reserve=2 * size, dynamic=True)
+        return self.context.buffer(reserve=2 * size, dynamic=True)
 
-    def _framebuffer(self, size_px: tuple[int, int]) -> "moderngl.Framebuffer":
+    def framebuffer(self, size_px: tuple[int, int]) -> "moderngl.Framebuffer":
         """Return the picture of a size; those not drawn for longest make room for new sizes."""
         found = self._framebuffers.pop(size_px, None)
         if found is None:
             if len(self._framebuffers) == _MOST_SIZES:
                 self._framebuffers.pop(next(iter(self._framebuffers))).release()
-            color = self._context.renderbuffer(size_px, 4)
-            found = self._context.framebuffer([color], self._context.depth_renderbuffer(size_px))
+            color = self.context.renderbuffer(size_px, 4)
+            found = self.context.framebuffer([color], self.context.depth_renderbuffer(size_px))
         self._framebuffers[size_px] = found
         return found

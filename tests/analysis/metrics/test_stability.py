@@ -88,6 +88,24 @@ def test_hitches_follow_unreals_rule(make_log: MakeLog) -> None:
     assert value("hitches_per_min", log) == pytest.approx(2 * 60_000 / sum(frame_ms))
 
 
+@pytest.mark.parametrize(
+    ("frame_ms", "hitches"),
+    [
+        ([20.0, 60.0, *[20.0] * 5, 100.0], [2, 8]),  # shown 200 ms after the last one
+        ([20.0, 60.0, *[20.0] * 5, 99.0], [2]),  # 199 ms after it
+        ([20.0, 60.0, *[20.0] * 4, 110.0, 20.0, 40.0, 60.0], [2, 10]),  # 190 ms, then 310 ms
+        ([40.0, 60.0], [2]),  # 1.5 times the frame before
+        ([41.0, 60.0], []),
+    ],
+)
+def test_hitches_at_the_edges_of_the_rule(
+    make_log: MakeLog, frame_ms: list[float], hitches: list[int]
+) -> None:
+    """What is just long, steep or late enough counts; dead time runs from the last that counted."""
+    flags = stability.hitch_flags(Run(make_log(displays(frame_ms))))
+    assert np.flatnonzero(flags).tolist() == hitches
+
+
 def test_stutter_follows_capframex_rule(make_log: MakeLog) -> None:
     """A frame of 50 ms among 10 ms counts its time once: its own spike does not raise the mean."""
     frame_ms = [10.0] * 50 + [50.0] + [10.0] * 49
