@@ -6,7 +6,6 @@ equal bytes, and no member can declare more than the file holds.  Arrays are ``.
 """
 
 import io
-import os
 import struct
 import zipfile
 from collections.abc import Mapping
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
+from .whole_file import whole_file
 
 _DATE = (1980, 1, 1, 0, 0, 0)
 _MAX_FILE_BYTES = 4 << 30
@@ -36,25 +36,14 @@ _DAMAGE = (
 def write_archive(
     path: Path, header_name: str, header: bytes, arrays: Mapping[str, NDArray[Any]]
 ) -> None:
-    """Write the header and the arrays; the file appears whole or not at all.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written to.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with zipfile.ZipFile(temporary, "x", zipfile.ZIP_STORED) as archive:
-            archive.writestr(zipfile.ZipInfo(header_name, _DATE), header)
-            for name, array in arrays.items():
-                little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-                buffer = io.BytesIO()
-                np.lib.format.write_array(buffer, little, version=(1, 0), allow_pickle=False)
-                archive.writestr(zipfile.ZipInfo(f"{name}.npy", _DATE), buffer.getbuffer())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    """Write the header and the arrays as `whole_file` does, which may raise its errors."""
+    with whole_file(path) as partial, zipfile.ZipFile(partial, "x", zipfile.ZIP_STORED) as archive:
+        archive.writestr(zipfile.ZipInfo(header_name, _DATE), header)
+        for name, array in arrays.items():
+            little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+            buffer = io.BytesIO()
+            np.lib.format.write_array(buffer, little, version=(1, 0), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy", _DATE), buffer.getbuffer())
 
 
 class ArrayArchive:

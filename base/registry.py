@@ -1,11 +1,11 @@
 """Things that have names: ours, imported when they are asked for, and those of a user."""
 
-import difflib
 from collections.abc import Collection, Iterator, Mapping
 from importlib import import_module
 from typing import Any, Generic, TypeVar
 
 from .errors import InputError
+from .nearest_names import unknown_name
 from .user_code import load_object
 
 Thing = TypeVar("Thing")
@@ -57,9 +57,8 @@ class Registry(Collection[str], Generic[Thing]):
             return getattr(import_module(f".{module}", self._package), attribute)
         if ":" in name:
             return self._of_kind(name, load_object(name, self._what))
-        near = difflib.get_close_matches(name, self, n=1)
-        hint = f"did you mean {near[0]}?" if near else "or name your own as file.py:NAME"
-        raise InputError(f"{self._what}: expected one of {', '.join(self)}, got {name}; {hint}")
+        own = "your own as file.py:NAME"
+        raise InputError(f"{self._what}: {unknown_name(name, self, instead=own)}")
 
     def register(self, name: str, thing: Thing) -> None:
         """Give a user's thing a name in this process; the last one of a name counts.

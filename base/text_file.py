@@ -1,6 +1,6 @@
-"""Text of a log file, whatever tool wrote it.
+"""Text of a file, whatever tool wrote it.
 
-Logs are UTF-8 with or without a byte order mark, or UTF-16 with one: ``tool > log.csv`` in Windows
+It is UTF-8 with or without a byte order mark, or UTF-16 with one: ``tool > log.csv`` in Windows
 PowerShell makes UTF-16LE.  A second mark, left by a tool whose output was redirected, is skipped.
 """
 
@@ -16,24 +16,18 @@ _UTF16 = {codecs.BOM_UTF16_LE: "UTF-16LE", codecs.BOM_UTF16_BE: "UTF-16BE"}
 _MARK = "\ufeff"
 
 
-def read_text(path: str | Path) -> str:
+def read_text(path: str | Path, *, largest_bytes: int = MAX_BYTES) -> str:
     """Return the text of a file, without byte order mark; line ends are left as they are.
 
-    Raises `InputError` if the file cannot be read, is empty, exceeds `MAX_BYTES`, is binary, or is
+    Raises `InputError` if the file cannot be read, is empty, too large, binary, or
     neither UTF-8 nor marked UTF-16; with the line where there is one.
     """
-    return read_encoded(path)[0]
+    return read_encoded(path, largest_bytes=largest_bytes)[0]
 
 
-def read_encoded(path: str | Path) -> tuple[str, str]:
-    """Return the text as `read_text` does, and the encoding it was in (``UTF-8``, ``UTF-16LE``…).
-
-    Raises
-    ------
-    InputError
-        As `read_text`.
-    """
-    data = _read_bytes(Path(path))
+def read_encoded(path: str | Path, *, largest_bytes: int = MAX_BYTES) -> tuple[str, str]:
+    """Return the text, and its encoding (``UTF-8``, ``UTF-16LE``…); raises as `read_text`."""
+    data = _read_bytes(Path(path), largest_bytes)
     encoding = _UTF16.get(data[:2], "UTF-8")
     try:
         text = data.decode(encoding)
@@ -54,13 +48,12 @@ def read_encoded(path: str | Path) -> tuple[str, str]:
     return text.lstrip(_MARK), encoding
 
 
-def _read_bytes(path: Path) -> bytes:
+def _read_bytes(path: Path, largest_bytes: int) -> bytes:
     try:
         size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise InputError(
-                f"expected at most {MAX_BYTES} bytes, got {size}; cut the log into parts", path=path
-            )
+        if size > largest_bytes:
+            message = f"expected at most {largest_bytes} bytes, got {size}; name another file"
+            raise InputError(message, path=path)
         data = path.read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the file name
         reason = getattr(error, "strerror", None) or error

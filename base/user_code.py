@@ -4,7 +4,6 @@ A file is loaded under a module name made of its path and content.  So two files
 side by side, an edited file is loaded anew, and what was made before the edit keeps its class.
 """
 
-import difflib
 import hashlib
 import importlib
 import importlib.util
@@ -18,6 +17,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from .errors import InputError
+from .nearest_names import unknown_name
 
 _PREFIX = "lodbench_user_"
 
@@ -30,9 +30,8 @@ def load_object(text: str, what: str) -> object:
     where, _, name = text.rpartition(":")
     module = _load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
     if not hasattr(module, name):
-        near = difflib.get_close_matches(name, vars(module), 1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise InputError(f"{what}: expected a name in {where}, got {name}, not in it{hint}")
+        public = [known for known in vars(module) if not known.startswith("_")]
+        raise InputError(f"{what} of {where}: {unknown_name(name, public)}")
     return getattr(module, name)
 
 

@@ -109,11 +109,10 @@ def _text(record: Mapping[str, object], check: list[str]) -> str:
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:
     """Write limits that fail when the policy gets worse on the path, all or nothing."""
-    from ..base.whole_file import whole_text_file
+    from ..base.whole_file import write_whole
 
     text = (
         f"# Found by `lodbench stress {policy}`: the path must not become worse than it is.\n"
         f'[limits]\n{metric} = {{ max_increase = "5%" }}\n'
     )
-    with whole_text_file(path) as file:
-        file.write(text)
+    write_whole(path, text)

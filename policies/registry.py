@@ -5,7 +5,6 @@ A policy is named ``name`` or ``name:key=value,key=value``.  A name is a registe
 are imported when they are made, not before.
 """
 
-import difflib
 import inspect
 import types
 from collections.abc import Mapping, Sequence
@@ -15,6 +14,7 @@ from typing import Any, TypeAlias, get_args
 import msgspec
 
 from ..base.errors import InputError
+from ..base.nearest_names import unknown_name
 from ..base.registry import Registry
 from .policy_spec import Parameter, PolicySpec, parameters
 from .protocol import Policy
@@ -83,10 +83,7 @@ def parse_policy(text: str) -> PolicySpec:
         if not equals:
             raise InputError(f"policy {text}: expected key=value, got {item}")
         if key not in known:
-            near = difflib.get_close_matches(key, known, 1)
-            hint = f"did you mean {near[0]}? " if near else ""
-            listed = ", ".join(sorted(known)) or "none"
-            raise InputError(f"policy {name}: unknown parameter {key}; {hint}known: {listed}")
+            raise InputError(f"policy {name}: {unknown_name(key, sorted(known))}")
         params[key] = _convert(value.strip(), known[key], text)
     return PolicySpec(text, name, cls, params)
 

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.strict_json import decode_json
 from ..base.whole_file import whole_file
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 
@@ -15,7 +16,7 @@ _ADVICE = "give frames/<policy>.parquet of a run of `lodbench compare`"
 
 
 def write_frame_log(path: str | Path, log: FrameLog) -> None:
-    """Write a frame log to Parquet, by a temporary name beside the target that is then renamed."""
+    """Write a frame log to Parquet as `whole_file` does, which may raise its errors."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -36,10 +37,9 @@ def read_frame_log(path: str | Path) -> FrameLog:
     if metadata.get(b"schema") != _SCHEMA or table.column_names != [*TIMES, *COUNTS]:
         got = metadata.get(b"schema", b"none").decode(errors="replace")
         raise InputError(f"expected schema {_SCHEMA.decode()}, got {got}; {_ADVICE}", path=path)
-    try:
-        header = msgspec.json.decode(metadata[b"header"], type=LogHeader)
-    except (KeyError, msgspec.MsgspecError) as error:
-        raise InputError(f"expected a frame-log header, got {error}", path=path) from error
+    header = decode_json(
+        metadata.get(b"header", b""), LogHeader, "a frame-log header", _ADVICE, path=Path(path)
+    )
     rows: int = table.num_rows
     times = np.empty((rows, len(TIMES)), dtype=np.int64)
     for i, name in enumerate(TIMES):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base.errors import PolicyError
+from ..base.whole_file import write_whole
 from ..models.machine.profile_writer import write_profile
 from ..models.scene.scene_file import write_scene
 from ..traces.cameras.write_trace import write_trace
@@ -36,11 +37,11 @@ def write_failure(folder: Path, failure: Failure, factory: Factory, title: str) 
     for name, example in failure.runs:
         write_scene(folder / f"{name}.lodscene", example.scene, ())
         write_trace(example.trace, folder / f"{name}.csv")
-        write_profile(example.hardware, folder / f"{name}.toml", title)
+        write_profile(example.hardware, folder / f"{name}.toml")
         command = _command(folder / name, example, name_policy(type(factory())))
         text += [f"smallest example found ({name}): {example}", f"  {command}"]
     picture = folder / "frame-times.svg"
-    picture.write_text(_picture(failure.runs, factory, title), encoding="utf-8")
+    write_whole(picture, _picture(failure.runs, factory, title))
     return "\n".join([*text, f"frame times: {picture}"])
 
 

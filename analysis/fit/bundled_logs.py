@@ -1,10 +1,10 @@
 """Bundled logs: what papers printed, and what bundled profiles were fitted to."""
 
-import difflib
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from ...traces.logs.render_log import TimeName
 
 _FOLDER = Path(__file__).parent / "logs"
@@ -41,11 +41,7 @@ def bundled_fit(name: str) -> BundledFit:
     """
     if name in _FITS:
         return _FITS[name]
-    near = difflib.get_close_matches(name, _FITS, n=1)
-    hint = f"did you mean {near[0]}?" if near else "name one"
-    raise InputError(
-        f"--bundled: expected a profile that was fitted, {', '.join(_FITS)}, got {name}; {hint}"
-    )
+    raise InputError(f"--bundled: {unknown_name(name, _FITS)}")
 
 
 def list_logs() -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...base.errors import InputError
+from ...base.whole_file import whole_file
 from .sampling.sampler import Chain
 
 _MOST_POINTS = 20_000
@@ -30,9 +31,8 @@ def write_plots(chain: Chain, folder: Path) -> tuple[Path, ...]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = folder / "trace.png", folder / "corner.png"
     for path, figure in zip(paths, (_trace(chain), _corner(chain)), strict=True):
-        temporary = path.with_name(f".{path.name}.tmp")
-        figure.savefig(temporary, format="png", dpi=120, metadata={"Software": None})
-        temporary.replace(path)
+        with whole_file(path) as partial:
+            figure.savefig(partial, format="png", dpi=120, metadata={"Software": None})
     return paths
 
 

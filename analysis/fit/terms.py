@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...base.errors import InputError
-from ...traces.logs.render_log import CPU_COUNTS, GPU_COUNTS
+from ...traces.logs.render_log import COUNTS
 
-_COUNTS = tuple(dict.fromkeys((*GPU_COUNTS, *CPU_COUNTS)))
 _NAME = re.compile(r"([a-z_]+)(\[[^\[\],]+\])?")
 
 
@@ -62,9 +61,9 @@ def _parse(piece: str, text: str) -> Term:
 
 def _known(name: str, text: str) -> str:
     match = _NAME.fullmatch(name)
-    if match is None or match[1] not in _COUNTS:
+    if match is None or match[1] not in COUNTS:
         raise InputError(
-            f"--terms: expected predictors among {', '.join(_COUNTS)}, products a*b, or "
+            f"--terms: expected predictors among {', '.join(COUNTS)}, products a*b, or "
             f"max(triangles,shaded_samples); got {name or 'nothing'} in {text!r}"
         )
     return name

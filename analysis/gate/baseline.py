@@ -1,4 +1,4 @@
-"""The stored baseline: what relative limits are held against, as one JSON file to commit."""
+"""The stored baseline: what relative limits are compared with, as one JSON file to commit."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
@@ -10,7 +10,8 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.whole_file import whole_file
+from ...base.strict_json import read_json
+from ...base.whole_file import write_whole
 from .limits import Limits
 from .measurements import Conditions, MeasuredPolicy
 
@@ -81,8 +82,7 @@ def write_baseline(path: Path, baseline: Baseline) -> None:
     """Write a baseline, all of it or nothing; the same baseline gives the same bytes."""
     text = msgspec.json.format(msgspec.json.encode(baseline, order="sorted"), indent=1) + b"\n"
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(path) as partial:
-        partial.write_bytes(text)
+    write_whole(path, text)
 
 
 def read_baseline(path: Path, conditions: Conditions) -> Baseline:
@@ -90,16 +90,9 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
 
     Raises `InputError` if it is missing, not a baseline, or of other conditions.
     """
-    try:
-        baseline = msgspec.json.decode(path.read_bytes(), type=Baseline)
-    except OSError as error:
-        raise InputError(
-            f"expected a baseline, got {error.strerror}; {_UPDATE}", path=path
-        ) from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"expected the JSON of {_SCHEMA}, got {error}; {_UPDATE}", path=path
-        ) from error
+    if not path.exists():
+        raise InputError(f"expected a baseline, got no such file; {_UPDATE}", path=path)
+    baseline = read_json(path, Baseline, _SCHEMA, _UPDATE)
     for item in fields(Conditions):
         now, then = getattr(conditions, item.name), getattr(baseline.conditions, item.name)
         if now != then:

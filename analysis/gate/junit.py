@@ -2,9 +2,9 @@
 
 from itertools import groupby
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ...base.whole_file import whole_file
+from ...base.whole_file import write_whole
 from .check_result import CheckReport
 from .judgement import Verdict
 from .plain_text import describe, explain
@@ -17,9 +17,7 @@ def write_junit(path: Path, report: CheckReport) -> None:
         _add_suite(root, f"{scene}.{trace}.{policy}", list(verdicts), report)
     indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(path) as partial, partial.open("wb") as file:
-        ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
-        file.write(b"\n")
+    write_whole(path, tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
 
 
 def _suite(verdict: Verdict) -> tuple[str, str, str]:

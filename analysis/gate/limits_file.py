@@ -1,12 +1,10 @@
 """Limits as a TOML file says them."""
 
-import difflib
-import re
-import tomllib
 from pathlib import Path
-from typing import Any, NoReturn, cast, get_args
+from typing import Any, cast, get_args
 
 from ...base.errors import InputError
+from ...base.strict_toml import TomlDocument, read_toml
 from ..metrics.metric_registry import find_metric
 from .amount import Amount, parse_amount
 from .limits import Kind, Limit, Limits, Rule
@@ -43,107 +41,81 @@ def choose_limits(path: Path | None, baseline: Path, *, updating: bool = False) 
 def read_limits(path: Path) -> Limits:
     """Read a file of limits.
 
-    Raises `InputError` if it is missing, not TOML, or not as `parse_limits` expects.
-    """
-    try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise InputError("expected limits of at most 1 MB; name another file", path=path)
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise InputError(
-            f"expected a TOML file of limits, got {error.strerror}; see docs/ci.md", path=path
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            "expected UTF-8 text, got other bytes; save it as UTF-8", path=path
-        ) from error
-    return parse_limits(text, path)
-
-
-def parse_limits(text: str, path: Path | None = None) -> Limits:
-    """Return the limits of a TOML text.
-
     ``[limits]`` is for everything, each ``[[for]]`` with `limits` for what its `policy`, `scene`
     and `trace` match (``*`` stands for any text).
 
-    Raises `InputError` if a key, metric or amount is not as it has to be.
+    Raises `InputError` if it is missing, not TOML, or a key, metric or amount is not as it has to
+    be; with the line.
     """
-    return _Reader(text, path).read()
+    return _Reader(read_toml(path, _LARGEST_BYTES)).read()
+
+
+def parse_limits(text: str) -> Limits:
+    """Return the limits of a TOML text; raises InputError as `read_limits`."""
+    return _Reader(TomlDocument(text)).read()
 
 
 class _Reader:
-    """The text of a limits file, which knows on which line a key stands."""
-
-    def __init__(self, text: str, path: Path | None) -> None:
-        self._text, self._path = text, path
-        self._from = 0  # tables are read in order, so a key stands after the last one found
+    def __init__(self, document: TomlDocument) -> None:
+        self._document = document
 
     def read(self) -> Limits:
-        try:
-            document = tomllib.loads(self._text)
-        except tomllib.TOMLDecodeError as error:
-            found = re.search(r"line (\d+)", str(error))
-            line = int(found[1]) if found else None
-            raise InputError(f"expected TOML, got {error}", path=self._path, line=line) from error
-        self._known(document, ("limits", "for"))
-        self._from = self._line_index(r"\[limits\]")
-        rules = [Rule(self._limits(document.get("limits", {})))]
-        self._from = 0
-        scoped = document.get("for", [])
+        document = self._document
+        content = document.table(document.content, ("limits", "for"), "")
+        rules = [Rule(self._limits(content.get("limits", {}), "limits"))]
+        scoped = content.get("for", [])
         if not isinstance(scoped, list):
-            self._fail("for", "expected [[for]] with two brackets, got one table")
-        rules += [self._rule(table) for table in cast("list[Any]", scoped)]
+            document.fail("for", "expected [[for]] with two brackets, got one table")
+        rules += [
+            self._rule(table, f"for.{number}")
+            for number, table in enumerate(cast("list[Any]", scoped))
+        ]
         if not any(rule.limits for rule in rules):
-            self._fail("limits", "expected at least one limit, got none; see docs/ci.md")
-        return Limits(tuple(rules), self._path)
+            document.fail("limits", "expected at least one limit, got none; see docs/ci.md")
+        return Limits(tuple(rules), document.path)
 
-    def _rule(self, table: Any) -> Rule:
-        self._from = self._line_index(r"\[\[for\]\]") + 1
-        self._known(table, (*_SCOPE, "limits"))
+    def _rule(self, table: Any, where: str) -> Rule:
+        table = self._document.table(table, (*_SCOPE, "limits"), where)
         scope: list[str] = []
         for name in _SCOPE:
             pattern = table.get(name, "*")
             if not isinstance(pattern, str):
-                self._fail(name, f"expected a name of a {name} in quotes, got {pattern}")
+                message = f"expected a name of a {name} in quotes, got {pattern}"
+                self._document.fail(f"{where}.{name}", message)
             scope.append(pattern)
-        return Rule(self._limits(table.get("limits", {})), *scope)
+        return Rule(self._limits(table.get("limits", {}), f"{where}.limits"), *scope)
 
-    def _limits(self, table: Any) -> dict[str, tuple[Limit, ...]]:
+    def _limits(self, table: Any, where: str) -> dict[str, tuple[Limit, ...]]:
         if not isinstance(table, dict):
-            self._fail("limits", "expected a table of metrics, got another value")
+            self._document.fail(where, "expected a table of metrics, got another value")
         return {
-            metric: self._metric(metric, entry)
+            metric: self._metric(metric, entry, f"{where}.{metric}")
             for metric, entry in cast("dict[str, Any]", table).items()
         }
 
-    def _metric(self, metric: str, entry: Any) -> tuple[Limit, ...]:
+    def _metric(self, metric: str, entry: Any, where: str) -> tuple[Limit, ...]:
+        document = self._document
         try:
             unit = find_metric(metric).unit
         except InputError as error:
-            self._fail(metric, error.message)
+            document.fail(where, error.message)
         if not isinstance(entry, dict):
-            self._fail(metric, f"expected {{ max = ... }} or another limit, got {entry}")
-        entry = cast("dict[str, Any]", entry)
+            document.fail(where, f"expected {{ max = ... }} or another limit, got {entry}")
         kinds: tuple[Kind, ...] = get_args(Kind)
-        self._known(entry, (*kinds, "floor"))
-        line = None if self._path is None else self._line_of(metric)
-        floor = self._amount(metric, unit, "floor", entry["floor"]) if "floor" in entry else None
+        entry = document.table(entry, (*kinds, "floor"), where)
+        amounts = {key: self._amount(unit, key, entry[key], where) for key in entry}
+        floor = amounts.get("floor")
+        line = None if document.path is None else document.line_of(where)
         limits = [
-            Limit(
-                metric,
-                kind,
-                self._amount(metric, unit, kind, entry[kind]),
-                floor if kind.startswith("max_") else None,
-                line,
-            )
+            Limit(metric, kind, amounts[kind], floor if kind.startswith("max_") else None, line)
             for kind in kinds
-            if kind in entry
+            if kind in amounts
         ]
         if not limits or (floor is not None and not any(limit.relative for limit in limits)):
-            self._fail(metric, f"expected one of {', '.join(kinds)}, got {', '.join(entry)}")
+            document.fail(where, f"expected one of {', '.join(kinds)}, got {', '.join(entry)}")
         return tuple(limits)
 
-    def _amount(self, metric: str, unit: str, key: str, value: object) -> Amount:
+    def _amount(self, unit: str, key: str, value: object, where: str) -> Amount:
         amount = parse_amount(value)
         allowed = {"unit", "frames"} if key == "floor" else {"unit", "frames", "share"}
         if key in {"max", "min"}:
@@ -151,31 +123,10 @@ class _Reader:
         if amount is None or amount.measure not in allowed:
             names = {"unit": "a number", "share": '"5%"', "frames": '"1 frame"'}
             known = [names.get(name, '"budget"') for name in sorted(allowed, reverse=True)]
-            self._fail(metric, f"{key}: expected {' or '.join(known)}, got {value}")
+            self._document.fail(where, f"{key}: expected {' or '.join(known)}, got {value}")
         if amount.measure in {"frames", "budget"} and unit != "ms":
-            self._fail(metric, f"{key}: expected a number, got {value}: {metric} is in {unit}")
+            message = f"{key}: expected a number, got {value}: the metric is in {unit}"
+            self._document.fail(where, message)
         if key not in {"max", "min"} and amount.number < 0.0:
-            self._fail(metric, f"{key}: expected an amount >= 0, got {value}")
+            self._document.fail(where, f"{key}: expected an amount >= 0, got {value}")
         return amount
-
-    def _known(self, table: Any, keys: tuple[str, ...]) -> None:
-        if not isinstance(table, dict):
-            self._fail("", "expected a table, got another value")
-        for key in cast("dict[str, Any]", table):
-            if key not in keys:
-                near = difflib.get_close_matches(key, keys, n=1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                self._fail(key, f"expected one of {', '.join(keys)}, got {key}{hint}")
-
-    def _line_index(self, pattern: str) -> int:
-        """Return the index of the first line from here on that holds a pattern, or 0."""
-        lines = self._text.splitlines()
-        found = (i for i in range(self._from, len(lines)) if re.search(pattern, lines[i]))
-        return next(found, 0)
-
-    def _line_of(self, key: str) -> int | None:
-        index = self._line_index(rf"(?<![\w-]){re.escape(key)}(?![\w-])") if key else 0
-        return index + 1 if index or key in self._text.partition("\n")[0] else None
-
-    def _fail(self, key: str, message: str) -> NoReturn:
-        raise InputError(message, path=self._path, line=self._line_of(key))

@@ -1,9 +1,9 @@
 """All metrics, in the order in which tables show them."""
 
-import difflib
 from importlib import import_module
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from .metric import GROUPS, Metric
 
 _MODULES = (
@@ -35,6 +35,5 @@ def find_metric(metric_id: str) -> Metric:
     """
     if metric_id in _BY_ID:
         return _BY_ID[metric_id]
-    near = difflib.get_close_matches(metric_id, _BY_ID, n=1)
-    hint = f"did you mean {near[0]}?" if near else "see `lodbench list metrics`"
-    raise InputError(f"metric: expected one of the {len(_BY_ID)} ids, got {metric_id}; {hint}")
+    advice = "see `lodbench list metrics`"
+    raise InputError(f"metric: {unknown_name(metric_id, _BY_ID, advice=advice)}")

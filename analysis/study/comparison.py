@@ -8,6 +8,7 @@ import msgspec
 
 from ...base.errors import InputError
 from ...base.html_table import html_table
+from ...base.strict_json import read_json
 from ..metrics.metric import Better
 from ..metrics.metric_registry import METRICS
 from ..metrics.steps import Step
@@ -225,15 +226,10 @@ def read_comparison(path: Path) -> Comparison:
 
     Raises `InputError` if the file is missing or is not what `encode_comparison` writes.
     """
-    try:
-        return msgspec.json.decode(path.read_bytes(), type=Comparison)
-    except OSError as error:
+    if not path.exists():
         raise InputError(
-            f"expected a comparison, got {error.strerror}; give a folder that `lodbench compare "
-            "--out` wrote",
+            "expected a comparison, got no such file; give a folder that `lodbench compare --out` "
+            "wrote",
             path=path,
-        ) from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"expected the JSON of {SCHEMA}, got {error}; run `lodbench compare` again", path=path
-        ) from error
+        )
+    return read_json(path, Comparison, SCHEMA, "run `lodbench compare` again")

@@ -4,33 +4,20 @@ import re
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...base.whole_file import whole_text_file
-from ...base.whole_folder import require_own, require_writable, whole_folder
+from ...base.whole_file import write_whole
+from ...base.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
 from .comparison import Comparison, encode_comparison, read_comparison
 
 _REPORT, _COMPARISON, _FRAMES = "report.html", "comparison.json", "frames"
+_OURS = r"report\.html|comparison\.json|frames(/.*\.parquet)?"
 
 
 def check_target(folder: Path) -> None:
-    """Refuse a folder that holds anything but an earlier comparison.
-
-    Raises `InputError` if it is a file, has other files in it, which would be lost, or could not be
-    written.
-    """
-    if not folder.exists():
-        require_writable(next(parent for parent in folder.absolute().parents if parent.exists()))
-        return
-    if not folder.is_dir():
-        raise InputError("expected a folder to write to, got a file; name a folder", path=folder)
-    others = sorted({path.name for path in folder.iterdir()} - {_REPORT, _COMPARISON, _FRAMES})
-    strange = sorted(
-        path.name for path in (folder / _FRAMES).glob("*") if path.suffix != ".parquet"
-    )
-    require_own(folder, others + strange, "compare")
-    require_writable(folder.absolute().parent)
+    """Raise InputError unless a folder can be made, or holds nothing but an earlier comparison."""
+    require_replaceable(folder, _OURS, "compare", make_parents=True)
 
 
 def frame_log_names(labels: list[str]) -> dict[str, str]:
@@ -97,6 +84,5 @@ def rewrite_report(folder: Path) -> Path:
     """
     comparison, logs = read_results(folder)
     target = folder / _REPORT
-    with whole_text_file(target) as file:
-        file.write(render_report(comparison, logs))
+    write_whole(target, render_report(comparison, logs))
     return target

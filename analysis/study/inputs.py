@@ -1,11 +1,11 @@
 """What is replayed, by name, by file, or as it is; traces are placed into their scene."""
 
-import difflib
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from ...models.machine.hardware import HardwareProfile
 from ...models.machine.profile_catalog import load_hardware
 from ...models.scene.scene import Scene
@@ -68,9 +68,7 @@ def load_trace(name_or_path: str | Path, scene: Scene, place: str = "shrink") ->
         return stage.move(spec, GENERATED_S)
     if not _names_a_file(spec):
         names = [BUNDLED_TRACE, *KINDS]
-        near = difflib.get_close_matches(spec, names, n=1)
-        hint = f"did you mean {near[0]}?" if near else "name one or give a path"
-        raise InputError(f"trace: expected one of {', '.join(names)} or a file, got {spec}; {hint}")
+        raise InputError(f"trace: {unknown_name(spec, names, instead='a file')}")
     trace = read_trace(spec)
     if place == "none":
         return trace

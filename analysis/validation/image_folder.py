@@ -1,16 +1,14 @@
 """A folder of pictures beside full detail, with a table that sets metrics against them."""
 
-import re
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...base.errors import InputError
-from ...base.whole_folder import require_own, require_writable, whole_folder
+from ...base.whole_folder import require_replaceable, whole_folder
 from ...render.gl.image_comparison import PictureFolder, require_images
 from .recordings import Recorded
 
-_TABLE, _PICTURE = "images.csv", re.compile(r"frame-\d+\.png")
+_TABLE, _OURS = "images.csv", r"images\.csv|frame-\d+\.png"
 _METRICS = ("sse_px_p95", "sse_px_max", "popping_px", "triangles", "drawn")
 
 
@@ -42,14 +40,6 @@ def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]
         yield None
         return
     require_images()
-    if path.exists():
-        others = sorted(p.name for p in path.iterdir()) if path.is_dir() else [path.name]
-        others = [name for name in others if name != _TABLE and not _PICTURE.fullmatch(name)]
-        require_own(path, others, "record")
-    require_writable(path.absolute().parent)
-    if not path.name or path.absolute() == Path.cwd():
-        raise InputError(
-            "expected a folder of its own for pictures, got this one; name another", path=path
-        )
+    require_replaceable(path, _OURS, "record")
     with whole_folder(path) as partial:
         yield ImageFolder(partial, every)

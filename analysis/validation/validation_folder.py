@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.whole_folder import require_own, require_writable, whole_folder
+from ...base.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ...traces.logs.log_writer import header_text, write_log
 from ...traces.logs.read_log import read_render_log
@@ -19,17 +19,14 @@ from .validation_result import Validation, encode
 
 _RESULT, _REPORT = "validation.json", "report.html"
 _MEASURED, _RENDERED, _SIMULATED = "measured", "render", "simulated"
+_OURS = r"validation\.json|report\.html|(measured|render|simulated)(/.*)?"
 _AGAIN = "again-"
 
 
 def check_folder(folder: Path) -> None:
     """Raise InputError unless a folder is new, or holds nothing but an earlier validation."""
-    ours = {_RESULT, _REPORT, _MEASURED, _RENDERED, _SIMULATED}
-    if folder.exists():
-        names = {path.name for path in folder.iterdir()} if folder.is_dir() else {folder.name}
-        foreign = names - ours if folder.is_dir() and _RESULT in names else names
-        require_own(folder, sorted(foreign), "validate")
-    require_writable(folder.absolute().parent)
+    # Without a result the folders may be somebody's: their names are common words.
+    require_replaceable(folder, _OURS if (folder / _RESULT).exists() else "", "validate")
 
 
 def write_validation(

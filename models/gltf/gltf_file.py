@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.strict_json import decode_json
 from .gltf_schema import Document, pick
 
 _MAX_FILE_BYTES = 1 << 30
@@ -135,10 +135,7 @@ def parse_glb(data: bytes) -> tuple[Document, bytes]:
 def _decode(data: bytes) -> Document:
     if len(data) > _MAX_JSON_BYTES:
         raise InputError(f"expected JSON of at most 64 MiB, got {len(data)} bytes")
-    try:
-        document = msgspec.json.decode(data, type=Document)
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(f"expected a glTF 2.0 document, got {error}") from error
+    document = decode_json(data, Document, "a glTF 2.0 document", "export the file again")
     if not document.asset.version.startswith("2."):
         raise InputError(f"expected glTF 2.0, got version {document.asset.version!r}")
     return document

@@ -1,9 +1,9 @@
 """Hardware profiles by name: the bundled ones, or any TOML file."""
 
-import difflib
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from .hardware import HardwareProfile
 from .profile_file import read_profile
 
@@ -28,8 +28,4 @@ def load_hardware(name_or_path: str | Path) -> HardwareProfile:
     path = Path(spec)
     if path.suffix == _SUFFIX or path.is_file():
         return read_profile(path)
-    near = difflib.get_close_matches(spec, names, n=1)
-    hint = f"did you mean {near[0]}?" if near else "name one or give a path"
-    raise InputError(
-        f"hardware: expected one of {', '.join(names)} or a {_SUFFIX} file, got {spec}; {hint}"
-    )
+    raise InputError(f"hardware: {unknown_name(spec, names, instead=f'a {_SUFFIX} file')}")

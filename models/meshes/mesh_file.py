@@ -1,6 +1,7 @@
 """Meshes from files, in any format that trimesh reads."""
 
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -66,11 +67,29 @@ def _parse(path: Path) -> Any:
         )
     try:
         return trimesh.load_scene(path, process=False)
-    except Exception as error:  # each parser of trimesh fails in its own way
+    except MemoryError as error:
+        raise InputError("expected a mesh that fits into memory, got more", path=path) from error
+    except Exception as error:
+        if not _is_damage(error):
+            raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"expected a readable {path.suffix} mesh, got a damaged one ({reason[:120]})", path=path
         ) from error
+
+
+def _is_damage(error: Exception) -> bool:
+    """Whether a parser stumbled over the file, and not over a wrong call or installation.
+
+    Each parser of trimesh fails in its own way: a TypeError may be a text where the file should
+    have a number.  So what tells is where it was raised: below trimesh, and not because a module is
+    missing or lacks a name.
+    """
+    trace = error.__traceback__
+    inner = trace.tb_next if trace else None
+    parser = inner.tb_frame.f_globals.get("__name__", "") if inner else ""
+    lacks = isinstance(error, ImportError) or isinstance(getattr(error, "obj", None), ModuleType)
+    return parser.partition(".")[0] == "trimesh" and not lacks
 
 
 def _material_id(shape: Any) -> int:

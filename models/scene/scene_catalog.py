@@ -1,11 +1,11 @@
 """Scenes by name or by file: the bundled ones, scene files, 3D Tiles tilesets and glTF."""
 
-import difflib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 from ..meshes.geometry import Geometry
 from ..scenes.scene_cache import SUFFIX, cached_scene
 from ..scenes.scene_registry import SCENES, find_builder
@@ -64,12 +64,8 @@ def open_scene(spec: str) -> OpenedScene:
     if suffix == SUFFIX or path.is_file():
         return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()
-    near = difflib.get_close_matches(spec, names, n=1)
-    hint = f"did you mean {near[0]}?" if near else "name one or give a path"
-    raise InputError(
-        f"scene: expected one of {', '.join(names)} or a file ({SUFFIX}, tileset.json, .gltf, "
-        f".glb), got {spec}; {hint}"
-    )
+    files = f"a file ({SUFFIX}, tileset.json, .gltf, .glb)"
+    raise InputError(f"scene: {unknown_name(spec, names, instead=files)}")
 
 
 def _open_tileset(path: Path) -> OpenedScene:

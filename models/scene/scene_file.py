@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...base.array_archive import ArrayArchive, write_archive
 from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
+from ...base.strict_json import decode_json
 from ..meshes.geometry import Geometry
 from ..meshes.geometry_arrays import pack_geometry, unpack_geometry
 from .cells import Cells
@@ -26,6 +27,7 @@ from .scene import ObjectTypes, Scene
 SCHEMA = "lodbench.scene/1"
 
 _HEADER = "scene.json"
+_ADVICE = "build the scene with this version"
 _MAX_DISTANCE_M = 1e9  # squares and products of four such lengths are still far from overflow
 _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
@@ -151,19 +153,11 @@ def read_geometry(path: Path) -> Geometry:
 
 def _read_header(archive: ArrayArchive) -> _Header:
     data = archive.header(_HEADER)
-    try:
-        schema = msgspec.json.decode(data, type=_Schema).schema
-        if schema != SCHEMA:
-            raise InputError(
-                f"expected schema {SCHEMA}, got {schema!r}; build the scene with this version",
-                path=archive.path,
-            )
-        return msgspec.json.decode(data, type=_Header)
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(
-            f"expected a header of {SCHEMA} in {_HEADER}, got {error}; build the scene anew",
-            path=archive.path,
-        ) from error
+    what = f"a header of {SCHEMA} in {_HEADER}"
+    schema = decode_json(data, _Schema, what, _ADVICE, path=archive.path).schema
+    if schema != SCHEMA:
+        raise InputError(f"expected schema {SCHEMA}, got {schema!r}; {_ADVICE}", path=archive.path)
+    return decode_json(data, _Header, what, _ADVICE, path=archive.path)
 
 
 def _scene(archive: ArrayArchive, header: _Header) -> Scene:

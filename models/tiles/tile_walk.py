@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
-import msgspec
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
+from ...base.strict_json import decode_json
 from .bounding_volumes import read_volume
 from .implicit_tiling import expand, fill_template, subdivide
 from .tile_folder import Folder
@@ -131,13 +131,8 @@ class _Walk:
                 f"expected at most {_MAX_JSON_BYTES} bytes of tilesets, got {self.json_bytes}",
                 path=shown,
             )
-        try:
-            root = msgspec.json.decode(path.read_bytes(), type=Tileset).root
-        except RecursionError as error:
-            message = "expected tiles nested some hundred deep, got more"
-            raise InputError(message, path=shown) from error
-        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-            raise InputError(f"expected a 3D Tiles tileset, got {error}", path=shown) from error
+        what, advice = "a 3D Tiles tileset", "export the file again"
+        root = decode_json(path.read_bytes(), Tileset, what, advice, path=shown, first_line=1).root
         if _weigh(root) > MAX_TILES:
             message = f"expected at most {MAX_TILES} tiles and contents, got more"
             raise InputError(message, path=shown)

@@ -5,11 +5,11 @@ sqrt, exp, log, log10, abs, min and max.  It is parsed, never evaluated as Pytho
 """
 
 import ast
-import difflib
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...base.errors import InputError
+from ...base.nearest_names import unknown_name
 
 _LONGEST = 1000
 _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
@@ -77,6 +77,4 @@ def _build(node: ast.expr, symbols: Mapping[str, Any], what: str) -> Any:
 def _look_up(name: str, known: Mapping[str, Any], what: str) -> Any:
     if name in known:
         return known[name]
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    raise InputError(f"{what}: expected one of {', '.join(known)}; got {name}; {hint}".rstrip("; "))
+    raise InputError(f"{what}: {unknown_name(name, known)}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
+from ...base.whole_file import whole_file
 from ...models.meshes.geometry import Geometry
 from ...models.scene.camera import Camera
 from .raster import Canvas
@@ -48,12 +49,8 @@ def draw_snapshot(shot: Snapshot, geometry: Geometry) -> "Image":
 
 def write_picture(path: Path, picture: "Image") -> None:
     """Write a picture; the file appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.tmp")
-    try:
-        picture.save(temporary, format="PNG")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(path) as partial:
+        picture.save(partial, format="PNG")
 
 
 def _background(camera: Camera) -> FloatArray:

@@ -81,7 +81,7 @@ def test_chrome_trace(folder: Path) -> None:
         (["none.parquet", "--format", "presentmon"], "expected a frame log, got no file"),
         (
             ["{out}", "--policy", "full", "--format", "presentmon", "--out", "no/out.csv"],
-            "expected a file that can be written",
+            "expected a path that can be written",
         ),
     ],
 )

@@ -177,7 +177,7 @@ def test_plots_are_written(log: Path):
         (["walk.csv", "--predict", "missing.csv"], "missing.csv: expected a file"),
         ([], "fit: expected LOG… or --bundled PROFILE, got neither"),
         (["walk.csv", "--bundled", "llvmpipe"], "LOG… or --bundled PROFILE, got both"),
-        (["--bundled", "llvmpip"], "fitted, llvmpipe, got llvmpip; did you mean llvmpipe?"),
+        (["--bundled", "llvmpip"], "one of llvmpipe, got llvmpip; did you mean llvmpipe?"),
     ],
 )
 def test_mistakes_are_one_line(

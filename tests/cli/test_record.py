@@ -193,7 +193,7 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
         ("balls", [*STATIC, "--frames", "0"], "frames: expected 1 to"),
         ("balls", [*STATIC, "--backend", "vulkan"], "--backend: expected one of egl, window"),
         ("balls", ["--policy", "oracle"], "it sees the future"),
-        ("balls", ["--policy", "none"], "policy: expected one of"),
+        ("balls", ["--policy", "none"], "got none; name one of them"),
         ("tree", ["--policy", "hlod-hysteresis"], "it streams"),
         ("tree", STATIC, "the scene is a hierarchy"),
         ("tree", ["--calibrate"], "--calibrate: expected a flat scene, got balls"),

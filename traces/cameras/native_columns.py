@@ -5,6 +5,7 @@ from pathlib import Path
 import msgspec
 
 from ...base.errors import InputError
+from ...base.strict_json import decode_json
 from .camera_trace import CameraTrace, Repair
 
 SCHEMA = "lodbench.trace/1"
@@ -35,15 +36,9 @@ def decode_header(data: bytes | str, path: Path, line: int | None) -> Header:
 
     Raises `InputError` if it is not the JSON of a header.
     """
-    try:
-        return msgspec.json.decode(data, type=Header)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"expected the JSON that lodbench writes after {SCHEMA}, got {error}; "
-            "remove it or write the file again",
-            path=path,
-            line=line,
-        ) from error
+    data = data.encode() if isinstance(data, str) else data
+    what, advice = f"a header of {SCHEMA}", "remove it or write the file again"
+    return decode_json(data, Header, what, advice, path=path, first_line=line)
 
 
 def check_columns(columns: list[str], path: Path, line: int | None) -> None:

@@ -5,14 +5,14 @@ that a log has goes before the later ones.  Units come from the column's name; w
 none, milliseconds.
 """
 
-import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...base.errors import InputError
-from .render_log import CPU_COUNTS, GPU_COUNTS, TIMES
+from ...base.nearest_names import unknown_name
+from .render_log import COUNTS, TIMES
 
 MS_PER = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
 
@@ -48,7 +48,7 @@ ALIASES: dict[str, tuple[str, ...]] = {
         *("time", "t"),
     ),
 }
-for _name in (*GPU_COUNTS, *CPU_COUNTS):
+for _name in COUNTS:
     ALIASES.setdefault(_name, (_name.replace("_", ""),))
 
 
@@ -111,11 +111,10 @@ def find_columns(
 
 def _of_types(header: Sequence[str]) -> list[Column]:
     """Return columns that hold one type's part of a count, such as ``triangles[tree]``."""
-    counts = (*GPU_COUNTS, *CPU_COUNTS)
     return [
         Column(name, index, name, "")
         for index, name in enumerate(header)
-        if name.endswith("]") and name.partition("[")[0] in counts and header.count(name) == 1
+        if name.endswith("]") and name.partition("[")[0] in COUNTS and header.count(name) == 1
     ]
 
 
@@ -124,18 +123,10 @@ def _require_known(
 ) -> None:
     for name, source in mapping.items():
         if name not in ALIASES:
-            raise InputError(f"mapping: expected {_listed(ALIASES, name)}, got {name}")
+            raise InputError(f"mapping: {unknown_name(name, ALIASES)}")
         if source not in header:
-            known = _listed(header, source)
-            message = f"mapping of {name}: expected {known}, got {source}"
+            message = f"mapping of {name}: {unknown_name(source, header)}"
             raise InputError(message, path=path, line=line)
-
-
-def _listed(names: Iterable[str], wrong: str) -> str:
-    names = list(names)
-    near = difflib.get_close_matches(wrong, names, n=1)
-    shown = ", ".join(names[:40]) + (", …" if len(names) > 40 else "")
-    return f"one of {shown}" + (f" (did you mean {near[0]}?)" if near else "")
 
 
 def unit_of(name: str) -> str:

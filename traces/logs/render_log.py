@@ -9,41 +9,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 TimeName = Literal["frame_ms", "gpu_ms", "cpu_ms"]
 
 TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 
-# The names of the cost model's predictors; a test holds them against `models.predictors`, which
-# this package may not import.
-GPU_COUNTS = (
-    "draw_calls",
-    "vertices",
-    "triangles",
-    "skinned_vertices",
-    "textured_triangles",
-    "splats",
-    "texture_bytes",
-    "shaded_samples",
-    "rasterized_triangles",
-    "framebuffer_pixels",
-    "state_changes",
-)
-CPU_COUNTS = (
-    "objects_visited",
-    "comparisons",
-    "iterations",
-    "levels_extracted",
-    "triangles_extracted",
-    "levels_borrowed",
-    "draw_calls",
-    "objects_culled",
-)
+COUNTS = tuple(dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)))
+"""What the columns of a log may count, each name once."""
 
 # Compilation and first uploads: real times, but of work that no predictor counts.  In logs of
 # llvmpipe the first three frames take up to three times what later ones with as much to draw do.
@@ -73,8 +49,8 @@ class RenderLog:
     ----------
     name : what tables call it
     format : the format it was read as
-    predictors : names of P columns, each of `GPU_COUNTS` or `CPU_COUNTS`, or one type's part of
-        it, such as ``triangles[tree]``
+    predictors : names of P columns, each of `COUNTS`, or one type's part of it, such as
+        ``triangles[tree]``
     counts : (n, P) float64, NaN where the file has none
     frame_ms, gpu_ms, cpu_ms : (n,) float64 or None, NaN where the file has none
     time_s : (n,) float64 or None
@@ -102,8 +78,7 @@ class RenderLog:
             values = getattr(self, name)
             if values is not None:
                 put(self, name, _read_only(values, (frames,), name))
-        known = (*GPU_COUNTS, *CPU_COUNTS)
-        unknown = [name for name in self.predictors if name.partition("[")[0] not in known]
+        unknown = [name for name in self.predictors if name.partition("[")[0] not in COUNTS]
         if unknown or len(set(self.predictors)) != width:
             raise InputError(f"render log: expected distinct known predictors, got {unknown}")
         if frames == 0:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ....traces.logs.render_log import CPU_COUNTS, GPU_COUNTS, RenderLog, TimeName
+from ....base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ....traces.logs.render_log import RenderLog, TimeName
 from ..fit_frames import Sample
 from ..sampling.robust_fit import robust_nnls
 from ..terms import Term
@@ -48,7 +49,7 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
 
     Raises `InputError` if there is none, naming those that are missing.
     """
-    wanted = CPU_COUNTS if target == "cpu_ms" else GPU_COUNTS
+    wanted = CPU_PREDICTORS if target == "cpu_ms" else GPU_PREDICTORS
     held = [name for name in wanted if all(name in log.predictors for log in logs)]
     if not held:
         raise InputError(

@@ -1,10 +1,9 @@
 """A chain on disk, so that a long run goes on where it was interrupted.
 
 emcee's own file backend needs HDF5; this one is a ``.npz`` with the chain, the acceptances and the
-state of the random generator, written whole beside the target and renamed.
+state of the random generator.
 """
 
-import os
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import emcee
 import numpy as np
 
 from ....base.errors import InputError
+from ....base.whole_file import whole_file
 
 _KEYS = ("chain", "log_prob", "accepted", "random_keys", "random_rest", "identity")
 
@@ -27,8 +27,7 @@ def save_chain(backend: Any, path: Path, identity: str) -> None:
     """
     name, keys, position, has_gauss, gauss = backend.random_state
     assert name == "MT19937"
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    with temporary.open("wb") as file:
+    with whole_file(path) as partial, partial.open("wb") as file:
         np.savez(
             file,
             chain=backend.get_chain(),
@@ -38,7 +37,6 @@ def save_chain(backend: Any, path: Path, identity: str) -> None:
             random_rest=np.array([position, has_gauss, gauss], dtype=np.float64),
             identity=np.array(identity),
         )
-    temporary.replace(path)
 
 
 def load_chain(path: Path, identity: str) -> Any:

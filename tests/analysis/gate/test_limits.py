@@ -96,6 +96,9 @@ def test_amounts() -> None:
         ("limits = 1", 1, "expected a table of metrics"),
         ("[limits]", 1, "expected at least one limit"),
         ("[limits\n", 1, "expected TOML"),
+        ("[limits]\n# frame_ms_p99 is odd\nframe_ms_p99 = 1", 3, "expected { max = ... }"),
+        ("[limits] # max\nframe_ms_p99 = {max = true} # max", 2, "got True"),
+        ("[[for]] # policy\npolicy = 'policy'\n[[for]]\npolicy = 1", 4, "for[1].policy"),
     ],
 )
 def test_what_cannot_be_meant(text: str, line: int, message: str, tmp_path: Path) -> None:
@@ -113,7 +116,11 @@ def test_files_that_are_no_text(tmp_path: Path) -> None:
     binary, huge = tmp_path / "binary.toml", tmp_path / "huge.toml"
     binary.write_bytes(b"\xff\xfe\x00")
     huge.write_bytes(b"#" * (1 << 21))
-    for path, message in ((tmp_path / "no.toml", "No such"), (binary, "UTF-8"), (huge, "1 MB")):
+    for path, message in (
+        (tmp_path / "no.toml", "No such"),
+        (binary, "UTF-8"),
+        (huge, "1048576 bytes"),
+    ):
         with pytest.raises(InputError, match=message) as error:
             read_limits(path)
         assert error.value.path == str(path)

@@ -31,7 +31,7 @@ def test_an_unknown_name_suggests_the_nearest():
     """A misspelt name lists what there is and the likeliest."""
     with pytest.raises(InputError, match="did you mean llvmpipe"):
         load_hardware("llvmpip")
-    with pytest.raises(InputError, match="expected a readable hardware profile"):
+    with pytest.raises(InputError, match="expected a file that can be read"):
         load_hardware("nowhere.toml")
 
 

@@ -251,7 +251,7 @@ def test_bytes_that_are_no_text_are_refused(tmp_path: Path):
     with pytest.raises(InputError, match="expected UTF-8 text, got byte 0xe9"):
         read_profile(latin)
     for path in (tmp_path, tmp_path / "absent.toml"):
-        with pytest.raises(InputError, match="expected a readable hardware profile"):
+        with pytest.raises(InputError, match="expected a file that can be read"):
             read_profile(path)
 
 
@@ -271,12 +271,11 @@ def test_writing_is_all_or_nothing(tmp_path: Path):
     """A path that cannot be written is an InputError, and leaves no temporary file."""
     profile = parse_profile(MINIMAL)
     path = tmp_path / "out.toml"
-    write_profile(profile, path, "two\nlines")
-    assert path.read_text(encoding="utf-8").startswith("# two\n# lines\nschema")
+    write_profile(profile, path)
     assert flat(read_profile(path)) == flat(profile)
     blocked = tmp_path / "folder"
     blocked.mkdir()
-    with pytest.raises(InputError, match="expected a writable path"):
+    with pytest.raises(InputError, match="expected a file, got a folder"):
         write_profile(profile, blocked)
     assert sorted(item.name for item in tmp_path.iterdir()) == ["folder", "out.toml"]
 

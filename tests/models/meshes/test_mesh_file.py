@@ -3,6 +3,7 @@
 import json
 import re
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -199,3 +200,57 @@ def test_flipped_bytes_never_crash(
         return
     assert np.isfinite(mesh.positions).all()
     assert mesh.faces.max() < len(mesh.positions)
+
+
+def _call_wrongly(*_: object, **__: object) -> None:
+    len(3)  # type: ignore[arg-type]
+
+
+def _miss_a_name(*_: object, **__: object) -> None:
+    trimesh.no_such_loader()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("loader", "error"), [(_call_wrongly, TypeError), (_miss_a_name, AttributeError)]
+)
+def test_errors_of_our_own_are_not_damage(
+    loader: Callable[..., None],
+    error: type[Exception],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A wrong call and a function that the library lacks come out, whatever the file is."""
+    path = write(tmp_path / "quad.obj", QUAD)
+    monkeypatch.setattr(trimesh, "load_scene", loader)
+    with pytest.raises(error):
+        load_mesh(path)
+    monkeypatch.delattr(trimesh, "load_scene")
+    with pytest.raises(AttributeError, match="load_scene"):
+        load_mesh(path)
+
+
+@pytest.mark.parametrize(
+    ("statement", "error"),
+    [("import no_such_library", ImportError), ("numpy.no_such_function()", AttributeError)],
+)
+def test_a_library_that_misses_something_is_not_damage(
+    statement: str, error: type[Exception], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Below the parser too, what the installation lacks is told as that."""
+    path = write(tmp_path / "quad.obj", QUAD)
+    names: dict[str, Any] = {"__name__": "trimesh.exchange.load"}
+    # A function that looks like one of trimesh.
+    exec(f"import numpy\ndef load(*_, **__):\n    {statement}", names)
+    monkeypatch.setattr(trimesh, "load_scene", names["load"])
+    with pytest.raises(error):
+        load_mesh(path)
+
+
+def test_a_mesh_beyond_the_memory_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Running out of memory is neither damage nor a traceback."""
+
+    def exhaust(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(trimesh, "load_scene", exhaust)
+    assert "fits into memory" in refused(write(tmp_path / "quad.obj", QUAD))

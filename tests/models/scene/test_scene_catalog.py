@@ -29,7 +29,7 @@ def test_unknown_names_suggest_the_nearest() -> None:
     """A slip is answered with the name that was meant."""
     with pytest.raises(InputError, match="got palza; did you mean plaza"):
         load_scene("palza")
-    with pytest.raises(InputError, match="name one or give a path"):
+    with pytest.raises(InputError, match="got zzz; name one of them"):
         load_scene("zzz")
 
 

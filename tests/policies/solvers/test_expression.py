@@ -87,7 +87,7 @@ def test_anything_else_is_refused(text: str) -> None:
 def test_an_unknown_name_suggests_the_nearest() -> None:
     """Of values and of functions."""
     symbols = {"area": SX.sym("area"), "r": SX.sym("r")}
-    with pytest.raises(InputError, match=r"one of area, r; got aera; did you mean area\?"):
+    with pytest.raises(InputError, match=r"one of area, r, got aera; did you mean area\?"):
         symbolic("aera / r", symbols, "degradation")
     with pytest.raises(InputError, match=r"got sqr; did you mean sqrt\?"):
         symbolic("sqr(area)", symbols, "degradation")

@@ -36,7 +36,7 @@ def test_format_comes_from_the_name_or_is_named(
     [
         ("a.dat", None, "expected a name that ends in .csv, .parquet, .txt, .tum, got 'a.dat'"),
         ("a.csv", "kitti", "a format to write out of csv, parquet, tum, got 'kitti'"),
-        ("absent/a.csv", None, "expected a file that can be written, got No such file"),
+        ("absent/a.csv", None, "expected a path that can be written, got No such file"),
     ],
 )
 def test_what_cannot_be_written_is_refused(

@@ -132,7 +132,7 @@ def test_any_timeline_comes_back_to_the_nanosecond(
 
 def test_nothing_half_written(tmp_path: Path, timings: FrameTimings) -> None:
     """A file that cannot be written is bad output, and no part of it stays."""
-    with pytest.raises(InputError, match="expected a file that can be written"):
+    with pytest.raises(InputError, match="expected a path that can be written"):
         write_presentmon(tmp_path / "none" / "out.csv", timings)
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(InputError, match="expected a file, got a folder"):

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
-from lodbench.traces.logs.render_log import CPU_COUNTS, GPU_COUNTS, RenderLog, measurable
+from lodbench.traces.logs.render_log import RenderLog, measurable
 
 
 def log_of(frame_ms: list[float], triangles: list[float], **times: list[float]) -> RenderLog:
@@ -18,12 +17,6 @@ def log_of(frame_ms: list[float], triangles: list[float], **times: list[float]) 
         frame_ms=np.array(frame_ms),
         gpu_ms=np.array(times["gpu_ms"]) if "gpu_ms" in times else None,
     )
-
-
-def test_predictors_are_named_as_in_the_cost_model():
-    """Logs may not import models, so this holds the two lists of names together."""
-    assert GPU_COUNTS == GPU_PREDICTORS or set(GPU_COUNTS) == set(GPU_PREDICTORS)
-    assert set(CPU_COUNTS) == set(CPU_PREDICTORS)
 
 
 def test_columns_cannot_be_written_to():

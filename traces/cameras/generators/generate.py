@@ -21,13 +21,13 @@ rendering of large complex models", section 5: the camera moves until few object
 view, turns suddenly so that many are visible, and moves back. Everything else is assumed.
 """
 
-import difflib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ....base.errors import InputError
+from ....base.nearest_names import unknown_name
 from ..camera_trace import BoolArray, CameraTrace, FloatArray
 from ..orientation import look_along
 from ..samples import MAX_COORDINATE_M
@@ -105,9 +105,7 @@ def generate(
 
 def _kind(name: str, speed_m_s: float | None, height_m: float | None) -> Kind:
     if name not in KINDS:
-        near = difflib.get_close_matches(name, KINDS, n=1)
-        hint = f"did you mean {near[0]}?" if near else "name one of them"
-        raise InputError(f"expected a kind out of {', '.join(KINDS)}, got {name!r}; {hint}")
+        raise InputError(f"kind: {unknown_name(name, KINDS)}")
     chosen = KINDS[name]
     if speed_m_s is not None:
         _check_range("a speed", speed_m_s, 1e4, "m/s")

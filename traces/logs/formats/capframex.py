@@ -19,9 +19,9 @@ import msgspec
 import numpy as np
 
 from ....base.errors import InputError
-from ....base.json_file import read_json
+from ....base.strict_json import read_json
 from ....base.text_file import read_text
-from ....base.whole_file import whole_text_file
+from ....base.whole_file import write_whole
 from ..log_format import LogFormat, LogHead
 from ..log_timings import log_from_timings
 from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
@@ -92,7 +92,7 @@ def read_capframex(path: str | Path, *, run: int = 0) -> FrameTimings:
 
 
 def _read_json(path: Path, run: int) -> FrameTimings:
-    session = read_json(path, _Session, _ADVICE)
+    session = read_json(path, _Session, "a record of CapFrameX", _ADVICE)
     if not 0 <= run < len(session.runs):
         raise InputError(
             f"expected a run from 0 to {len(session.runs) - 1}, got {run}; choose one", path=path
@@ -191,8 +191,7 @@ def write_capframex(
         comment=comment,
     )
     session = _Session([_Run(data, digest, "Other")], info, digest)
-    with whole_text_file(Path(path)) as file:
-        file.write(msgspec.json.encode(session).decode())
+    write_whole(Path(path), msgspec.json.encode(session))
 
 
 def _zero_where(timings: FrameTimings, values: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import msgspec
 
 from ....base.errors import InputError
-from ....base.json_file import read_json
+from ....base.strict_json import read_json
 from ....base.whole_file import whole_text_file
 
 _ADVICE = "give a file of Chrome trace events"
@@ -71,7 +71,7 @@ def read_chrome_trace(path: str | Path) -> tuple[TraceEvent, ...]:
     an id in a flow, an end for each begin.
     """
     source = Path(path)
-    content: _Document | list[TraceEvent] = read_json(source, _FORMS, _ADVICE)
+    content: _Document | list[TraceEvent] = read_json(source, _FORMS, "trace events", _ADVICE)
     events = content if isinstance(content, list) else content.trace_events
     for index, event in enumerate(events):
         wrong = _fault(event)

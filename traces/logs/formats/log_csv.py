@@ -1,7 +1,7 @@
 """Render logs as CSV with a header: lodbench's own, and any other by aliases or a mapping.
 
 Lodbench's own has the columns ``draw_calls, vertices, triangles, shaded_samples`` … of
-`renderlog.GPU_COUNTS` and ``cpu_ms, gpu_ms, frame_ms, time_s``, and a first line
+`render_log.COUNTS` and ``cpu_ms, gpu_ms, frame_ms, time_s``, and a first line
 ``# renderer: NAME; VERSION; WIDTHxHEIGHT; mode MODE; seed SEED``.
 """
 

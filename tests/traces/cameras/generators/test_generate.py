@@ -142,7 +142,7 @@ def test_speed_and_height_can_be_given() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"kind": "wlak"}, "expected a kind out of walk, .*, got 'wlak'; did you mean walk?"),
+        ({"kind": "wlak"}, "kind: expected one of walk, .*, got wlak; did you mean walk?"),
         ({"duration_s": 0.0}, "expected a duration from 0.001 to 21600 s, got 0.0"),
         ({"duration_s": 1e6}, "expected a duration"),
         ({"rate_hz": float("nan")}, "expected a rate from 0.001 to 10000 Hz, got nan"),

@@ -1,0 +1,114 @@
+"""A folder beside an output for what is not finished yet, removed at any exit.
+
+Its name tells which process of which machine made it.  So a later write to the same place removes
+what a killed run left there, and puts back what that run had moved aside.
+"""
+
+import errno
+import os
+import platform
+import re
+import shutil
+import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from .errors import InputError
+
+MOVED = "moved"
+"""The folder in a scratch folder that holds, under its own name, what was moved aside."""
+
+_PREFIX = f".lodbench-{platform.node()}-"
+_NAME = re.compile(rf"{re.escape(_PREFIX)}(\d{{1,9}})-\w+\.partial")
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+_MISTAKES = {errno.ENOENT, errno.EEXIST}
+
+
+@contextmanager
+def scratch_beside(target: Path, shown: Path) -> Generator[Path]:
+    """Yield a new folder beside `target`, on the same disk, and remove it afterwards.
+
+    Raises `InputError`, naming `shown`, if it cannot be made, the disk is full, or what the caller
+    does in it is refused by the operating system.
+    """
+    scratch: Path | None = None
+    try:
+        sweep(target.parent)
+        prefix = f"{_PREFIX}{os.getpid()}-"
+        scratch = Path(tempfile.mkdtemp(".partial", prefix, target.parent))
+        yield scratch
+    except OSError as error:
+        if scratch is None or _refuses_output(error, scratch):
+            raise InputError(
+                f"expected a path that can be written, got {error.strerror or error}; "
+                "check the folder",
+                path=shown,
+            ) from error
+        raise
+    finally:
+        if scratch is not None:
+            _discard(scratch)
+
+
+def _refuses_output(error: OSError, scratch: Path) -> bool:
+    """Whether the system refused to write here; the caller's other troubles are not about that."""
+    inside = Path(str(error.filename)).is_relative_to(scratch)
+    return error.errno in _FULL or (inside and error.errno not in _MISTAKES)
+
+
+def sweep(folder: Path) -> None:
+    """Remove what processes of this machine that run no more left in a folder."""
+    with suppress(OSError):  # a folder that is missing or cannot be listed has nothing to sweep
+        for path in list(folder.iterdir()):
+            name = _NAME.fullmatch(path.name)
+            if name and not _runs(int(name[1])):
+                _discard(path)
+
+
+def flush(path: Path) -> None:
+    """Force a file, or a folder with all that is in it, to the disk."""
+    if not path.is_dir():
+        _flush_one(path, os.O_RDWR)
+        return
+    for inner in path.iterdir():
+        flush(inner)
+    flush_names(path)
+
+
+def flush_names(folder: Path) -> None:
+    """Force the names in a folder to the disk, where the system can: Windows opens no folders."""
+    with suppress(OSError):
+        _flush_one(folder, os.O_RDONLY)
+
+
+def _flush_one(path: Path, mode: int) -> None:
+    handle = os.open(path, mode)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _runs(process: int) -> bool:
+    if os.name == "nt":
+        return True  # signal 0 is Ctrl-C there; what is left stays
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it runs, as another user
+        return True
+    return True
+
+
+def _discard(scratch: Path) -> None:
+    moved = scratch / MOVED
+    for path in moved.iterdir() if moved.is_dir() else ():
+        home = scratch.parent / path.name
+        if not home.exists():  # stopped between moving the old folder away and the new one in
+            try:
+                path.rename(home)
+            except OSError:
+                return  # it is all that is left of that folder
+    shutil.rmtree(scratch, ignore_errors=True)
