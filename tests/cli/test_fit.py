@@ -166,7 +166,7 @@ def test_plots_are_written(log: Path):
         (["walk.csv", "--heldout", "some"], "--heldout: expected one of blocks, halves"),
         (["walk.csv", "--map", "gpu_ms"], "--map: expected name=COLUMN"),
         (["walk.csv", "--map", "gpu_ms=Nope"], "mapping of gpu_ms: expected one of"),
-        (["walk.csv", "--format", "excel"], "log format: expected one of csv"),
+        (["walk.csv", "--format", "excel"], "log format: expected one of parquet"),
         (["walk.csv", "--out", "mine.json"], "mine.json: expected a .toml file"),
         (["walk.csv", "--out", "no/mine.toml"], "no/mine.toml: expected a .toml file in a folder"),
         (
