@@ -13,7 +13,8 @@ T = TypeVar("T")
 
 def read_json(path: Path, kind: type[T], what: str, advice: str) -> T:
     """Return the content of a JSON file as `decode_json`; raises as it and `read_text`."""
-    return decode_json(read_text(path).encode(), kind, what, advice, path=path, first_line=1)
+    text = read_text(path, advice=advice)
+    return decode_json(text.encode(), kind, what, advice, path=path, first_line=1)
 
 
 def decode_json(
@@ -43,11 +44,13 @@ def decode_json(
         at = int(byte.rstrip(")")) if byte else len(data)
         snippet = data[at : at + 20].decode(errors="replace")
         reason += f" at {snippet!r}" if snippet else ""
-        line = None
         if isinstance(error, RecursionError):
             reason = "brackets nested too deep"
-        elif first_line is not None and not isinstance(error, msgspec.ValidationError):
-            line = first_line + data.count(b"\n", 0, at)
+        # Of JSON in another form only the place in it is known, and that not as a line.
+        unknown = isinstance(error, (RecursionError, msgspec.ValidationError)) and b"\n" in data
+        line = first_line
+        if first_line is not None:
+            line = None if unknown else first_line + data.count(b"\n", 0, at)
         raise InputError(
             f"expected {what} as JSON, got {reason}; {advice}", path=path, line=line
         ) from error

@@ -123,9 +123,9 @@ class TomlDocument:
         return lines
 
 
-def read_toml(path: Path, largest_bytes: int) -> TomlDocument:
+def read_toml(path: Path, largest_bytes: int, advice: str) -> TomlDocument:
     """Read a TOML file; raises `InputError` as `read_text`."""
-    return TomlDocument(read_text(path, largest_bytes=largest_bytes), path)
+    return TomlDocument(read_text(path, largest_bytes=largest_bytes, advice=advice), path)
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:

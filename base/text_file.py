@@ -16,24 +16,27 @@ _UTF16 = {codecs.BOM_UTF16_LE: "UTF-16LE", codecs.BOM_UTF16_BE: "UTF-16BE"}
 _MARK = "\ufeff"
 
 
-def read_text(path: str | Path, *, largest_bytes: int = MAX_BYTES) -> str:
+def read_text(path: str | Path, *, largest_bytes: int = MAX_BYTES, advice: str = "") -> str:
     """Return the text of a file, without byte order mark; line ends are left as they are.
 
-    Raises `InputError` if the file cannot be read, is empty, too large, binary, or
-    neither UTF-8 nor marked UTF-16; with the line where there is one.
+    Raises `InputError` if the file cannot be read, is empty, too large, binary, or neither UTF-8
+    nor marked UTF-16; with the line where there is one, and with `advice`, if given, on what to do.
     """
-    return read_encoded(path, largest_bytes=largest_bytes)[0]
+    return read_encoded(path, largest_bytes=largest_bytes, advice=advice)[0]
 
 
-def read_encoded(path: str | Path, *, largest_bytes: int = MAX_BYTES) -> tuple[str, str]:
+def read_encoded(
+    path: str | Path, *, largest_bytes: int = MAX_BYTES, advice: str = ""
+) -> tuple[str, str]:
     """Return the text, and its encoding (``UTF-8``, ``UTF-16LE``…); raises as `read_text`."""
-    data = _read_bytes(Path(path), largest_bytes)
+    data = _read_bytes(Path(path), largest_bytes, advice)
     encoding = _UTF16.get(data[:2], "UTF-8")
+    advice = advice or "save the file as UTF-8"
     try:
         text = data.decode(encoding)
     except UnicodeDecodeError as error:
         raise InputError(
-            f"expected {encoding} text, got byte 0x{data[error.start]:02x}; save the file as UTF-8",
+            f"expected {encoding} text, got byte 0x{data[error.start]:02x}; {advice}",
             path=path,
             line=data.count(b"\n", 0, error.start) + 1,
         ) from error
@@ -41,14 +44,14 @@ def read_encoded(path: str | Path, *, largest_bytes: int = MAX_BYTES) -> tuple[s
     if zero >= 0:
         raise InputError(
             "expected text, got a zero byte: a binary file, or UTF-16 without byte order mark; "
-            "save it as UTF-8",
+            + advice,
             path=path,
             line=text.count("\n", 0, zero) + 1,
         )
     return text.lstrip(_MARK), encoding
 
 
-def _read_bytes(path: Path, largest_bytes: int) -> bytes:
+def _read_bytes(path: Path, largest_bytes: int, advice: str) -> bytes:
     try:
         size = path.stat().st_size
         if size > largest_bytes:
@@ -57,9 +60,9 @@ def _read_bytes(path: Path, largest_bytes: int) -> bytes:
         data = path.read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the file name
         reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"expected a file that can be read, got {reason}; check the path", path=path
-        ) from error
+        message = f"expected a file that can be read, got {reason}; {advice or 'check the path'}"
+        raise InputError(message, path=path) from error
     if not data.strip():
-        raise InputError("expected text, got an empty file; write it again", path=path)
+        message = f"expected text, got an empty file; {advice or 'write it again'}"
+        raise InputError(message, path=path)
     return data

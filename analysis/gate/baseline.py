@@ -90,8 +90,6 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
 
     Raises `InputError` if it is missing, not a baseline, or of other conditions.
     """
-    if not path.exists():
-        raise InputError(f"expected a baseline, got no such file; {_UPDATE}", path=path)
     baseline = read_json(path, Baseline, _SCHEMA, _UPDATE)
     for item in fields(Conditions):
         now, then = getattr(conditions, item.name), getattr(baseline.conditions, item.name)

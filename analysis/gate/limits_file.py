@@ -47,7 +47,7 @@ def read_limits(path: Path) -> Limits:
     Raises `InputError` if it is missing, not TOML, or a key, metric or amount is not as it has to
     be; with the line.
     """
-    return _Reader(read_toml(path, _LARGEST_BYTES)).read()
+    return _Reader(read_toml(path, _LARGEST_BYTES, "give limits in UTF-8, see docs/ci.md")).read()
 
 
 def parse_limits(text: str) -> Limits:

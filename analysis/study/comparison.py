@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 
-from ...base.errors import InputError
 from ...base.html_table import html_table
 from ...base.strict_json import read_json
 from ..metrics.metric import Better
@@ -226,10 +225,5 @@ def read_comparison(path: Path) -> Comparison:
 
     Raises `InputError` if the file is missing or is not what `encode_comparison` writes.
     """
-    if not path.exists():
-        raise InputError(
-            "expected a comparison, got no such file; give a folder that `lodbench compare --out` "
-            "wrote",
-            path=path,
-        )
-    return read_json(path, Comparison, SCHEMA, "run `lodbench compare` again")
+    advice = "give a folder that `lodbench compare --out` wrote, or run it again"
+    return read_json(path, Comparison, SCHEMA, advice)

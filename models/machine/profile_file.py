@@ -63,7 +63,7 @@ def read_profile(path: Path) -> HardwareProfile:
     key, unit or number in it is missing, unknown or out of range; with the line where that is
     known.
     """
-    return _read(read_toml(path, _LARGEST_BYTES))
+    return _read(read_toml(path, _LARGEST_BYTES, "give a hardware profile in UTF-8"))
 
 
 def parse_profile(text: str) -> HardwareProfile:

@@ -42,7 +42,7 @@ def test_a_users_file_needs_no_registration(colors: Registry[int], tmp_path: Pat
     [
         (
             "rad",
-            "color: expected one of red, blue or your own as file.py:NAME, got rad; did you mean red?",
+            "expected one of red, blue or your own as file.py:NAME, got rad; did you mean red?",
         ),
         ("zzz", "or your own as file.py:NAME, got zzz; name one of them"),
         ("absent.py:X", "absent.py: expected a Python file with a color, got no file"),

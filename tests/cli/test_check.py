@@ -134,10 +134,13 @@ def test_a_broken_policy_fails(capsys: pytest.CaptureFixture[str], tmp_path: Pat
         (["--policy", "ful"], "did you mean full?"),
         (["--policy", "full", "--seeds", "0"], "seeds: expected a whole number >= 1"),
         (["--policy", "full", "--frames", "30"], "frames: expected more than the 30 of warm-up"),
-        (["--policy", "full", "--limits", "no.toml"], "no.toml: expected a TOML file"),
-        (["--policy", "full", "--limits", "bad.toml"], "bad.toml:2: metric: expected one of"),
+        (["--policy", "full", "--limits", "no.toml"], "no.toml: expected a file that can be read"),
+        (
+            ["--policy", "full", "--limits", "bad.toml"],
+            "bad.toml:2: limits.fps: metric: expected one",
+        ),
         (["--policy", "full", *QUICK, "--limits", "rel.toml"], "baseline.json: expected a"),
-        (["no-run"], "no-run/comparison.json: expected a comparison"),
+        (["no-run"], "no-run/comparison.json: expected a file that can be read"),
     ],
 )
 def test_bad_input(

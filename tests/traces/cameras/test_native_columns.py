@@ -76,8 +76,11 @@ def test_csv_by_hand_needs_neither_record_nor_cut(tmp_path: Path) -> None:
         (HEADER + "0,0,0,0,0,0,0,1,2\n", "t.csv:2: expected cut to be 0 or 1, got 2"),
         (HEADER + "0,0,0,0,0,0,0,1\n", "t.csv:2: expected 9 columns"),
         (HEADER + "0,0,NaN,0,0,0,0,1,0\n", "t.csv:2: expected a finite number for y_m, got 'NaN'"),
-        ("# lodbench.trace/1 {oops\n" + HEADER, "t.csv:1: expected the JSON"),
-        ('# lodbench.trace/1 {"name":3}\n' + HEADER, "t.csv:1: expected the JSON"),
+        ("# lodbench.trace/1 {oops\n" + HEADER, "t.csv:1: expected a header of lodbench"),
+        (
+            '# lodbench.trace/1 {"name":3}\n' + HEADER,
+            "t.csv:1: expected a header of lodbench",
+        ),
         ("# lodbench.trace/9 {}\n" + HEADER, "t.csv:1: expected version 1 of lodbench.trace, got"),
         ("\n# nothing\n", "expected the columns"),
     ],
