@@ -69,6 +69,7 @@ def _keep(path: Path, scene: Scene, geometry: Geometry) -> bool:
     """Write a file that nobody is to change, and remove older ones; return whether it is there."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        path.unlink(missing_ok=True)  # a damaged one, which is read-only and not written over
         write_scene(path, scene, geometry, SceneOrigin("bundled"))
         path.chmod(0o444)
     except _UNREADABLE:
