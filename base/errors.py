@@ -29,7 +29,7 @@ class InputError(LodbenchError):
         self.message = message
         self.path = None if path is None else str(path)
         self.line = line
-        super().__init__(message, self.path, line)
+        super().__init__(message)  # pickles: path and line travel with the attributes
 
     def __str__(self) -> str:
         where = "" if self.path is None else f"{self.path}:"

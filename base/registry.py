@@ -39,6 +39,11 @@ class Registry(Collection[str], Generic[Thing]):
     def __contains__(self, name: object) -> bool:
         return name in self._users or name in self._ours
 
+    @property
+    def users(self) -> dict[str, Thing]:
+        """The things of a user that have a name of their own."""
+        return dict(self._users)
+
     def find(self, name: str) -> Thing:
         """Return the thing of a name.
 
@@ -52,8 +57,8 @@ class Registry(Collection[str], Generic[Thing]):
             return getattr(import_module(f".{module}", self._package), attribute)
         if ":" in name:
             return self._of_kind(name, load_object(name, self._what))
-        advice = "or name your own as file.py:NAME"
-        raise InputError(f"{self._what}: {unknown_name(name, self, advice=advice)}")
+        own = "your own as file.py:NAME"
+        raise InputError(f"{self._what}: {unknown_name(name, self, instead=own)}")
 
     def register(self, name: str, thing: Thing) -> None:
         """Give a user's thing a name in this process; the last one of a name counts.

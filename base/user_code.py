@@ -1,12 +1,25 @@
-"""Objects in a user's own Python code, named as ``file.py:NAME`` or ``package.module:NAME``."""
+"""A user's own Python code, named as ``file.py:NAME`` or ``package.module:NAME``.
 
+A file is loaded under a module name made of its path and content.  So two files of one name live
+side by side, an edited file is loaded anew, and what was made before the edit keeps its class.
+"""
+
+import hashlib
 import importlib
 import importlib.util
+import io
+import pickle
+import re
 import sys
+from operator import attrgetter
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
+from typing import Any
 
 from .errors import InputError
+from .nearest_names import unknown_name
+
+_PREFIX = "lodbench_user_"
 
 
 def load_object(text: str, what: str) -> object:
@@ -17,23 +30,33 @@ def load_object(text: str, what: str) -> object:
     where, _, name = text.rpartition(":")
     module = _load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
     if not hasattr(module, name):
-        raise InputError(f"{what}: expected a name in {where}, got {name}, which it does not hold")
+        public = [known for known in vars(module) if not known.startswith("_")]
+        raise InputError(f"{what} of {where}: {unknown_name(name, public)}")
     return getattr(module, name)
+
+
+def pickle_for_worker(value: object) -> bytes:
+    """Return the pickle of a value, which loads users' files wherever it is unpickled."""
+    buffer = io.BytesIO()
+    _Pickler(buffer, protocol=5).dump(value)
+    return buffer.getvalue()
 
 
 def _load_file(path: Path, what: str) -> ModuleType:
     if not path.is_file():
         raise InputError(f"expected a Python file with a {what}, got no file", path=path)
-    # Registered under a name of its own, so that instances pickle and the file stays importable.
-    name = f"lodbench_user_{path.stem}"
+    name = _module_name(path)
+    if name in sys.modules:
+        return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None, "a .py file has a loader"
     assert spec.loader is not None, "a .py file has a loader"
     module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    sys.modules[name] = module  # dataclasses look their module up while it is executed
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a script may end with sys.exit()
+        del sys.modules[name]
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
             f"expected a Python file that loads, got {type(error).__name__}: {error}",
@@ -41,6 +64,30 @@ def _load_file(path: Path, what: str) -> ModuleType:
             line=line,
         ) from error
     return module
+
+
+class _Pickler(pickle.Pickler):
+    """Refers to a class or function of a user's file by its path: no import would lead there."""
+
+    def reducer_override(self, obj: Any) -> Any:
+        if not isinstance(obj, (type, FunctionType)):
+            return NotImplemented
+        if not str(obj.__module__).startswith(_PREFIX):
+            return NotImplemented
+        file = sys.modules[obj.__module__].__file__
+        assert file is not None, "a user's module is of a file"
+        return _find_in_file, (str(Path(file).resolve()), obj.__qualname__)
+
+
+def _find_in_file(path: str, name: str) -> object:
+    return attrgetter(name)(_load_file(Path(path), "name"))
+
+
+def _module_name(path: Path) -> str:
+    digest = hashlib.sha256(str(path.resolve()).encode())
+    digest.update(path.read_bytes())
+    stem = re.sub(r"\W", "_", path.stem)
+    return f"{_PREFIX}{stem}_{digest.hexdigest()[:12]}"
 
 
 def _import(name: str, what: str) -> ModuleType:

@@ -1,7 +1,6 @@
 """`lodbench check`: the frame-budget gate for continuous integration."""
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,9 +10,9 @@ from typer import Argument, Exit, Option
 from .shared import options
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.gate.check_result import Report
+    from ..analysis.gate.check_result import CheckReport
     from ..analysis.gate.limits import Limits
-    from ..analysis.gate.measurements import Conditions, Measured
+    from ..analysis.gate.measurements import Conditions, MeasuredPolicy
 
 Run = Annotated[
     Path | None,
@@ -69,15 +68,15 @@ def check(
     workers: options.Workers = 0,
 ) -> None:
     """Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input."""
-    from ..analysis.gate.check import Plan, judge_measured, measure_plan
+    from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
     from ..analysis.gate.limits_file import choose_limits
-    from ..analysis.gate.measurements import Sampling, measure_run
+    from ..analysis.gate.measurements import MeasureOptions, measure_run
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if run is not None:
         conditions, measured = measure_run(run)
     else:
-        plan = Plan(
+        plan = CheckPlan(
             policies=tuple(policy or ()),
             scenes=tuple(scene or ("plaza",)),
             traces=tuple(trace or ("tour",)),
@@ -88,8 +87,7 @@ def check(
             warmup=warmup,
             place=place,
         )
-        processes = workers or os.cpu_count() or 1
-        sampling = Sampling(seeds=seeds, resamples=resamples, draws=draws, workers=processes)
+        sampling = MeasureOptions(seeds=seeds, resamples=resamples, draws=draws, workers=workers)
         conditions, measured = measure_plan(plan, sampling)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)
@@ -108,7 +106,7 @@ def _update(
     path: Path,
     limits: "Limits",
     conditions: "Conditions",
-    measured: "list[Measured]",
+    measured: "list[MeasuredPolicy]",
     *,
     as_json: bool,
 ) -> None:
@@ -126,7 +124,7 @@ def _update(
         print(f"baseline: {path}")
 
 
-def _print(report: "Report", limits: Path | None, *, as_json: bool, github: bool) -> None:
+def _print(report: "CheckReport", limits: Path | None, *, as_json: bool, github: bool) -> None:
     from ..analysis.gate.check_result import encode_report
     from ..analysis.gate.github import annotations
     from ..analysis.gate.plain_text import lines

@@ -13,7 +13,6 @@ from .shared.inputs import table_console
 from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.fit.fit import Source
     from ..traces.logs.render_log import TimeName
 
 Logs = Annotated[
@@ -108,22 +107,23 @@ def fit(
     Prints the posterior of its coefficients, what a statistician would ask of it, and the error on
     frames that were held out.
     """
-    from ..analysis.fit.fit import FitOptions, fit_logs, target_of
+    from ..analysis.fit.fit import FitOptions, Source, fit_logs, target_of
     from ..analysis.fit.fit_document import fit_record
+    from ..analysis.fit.log_files import log_path
     from ..analysis.fit.sampling.sampler import SamplerOptions
     from ..models.machine.profile_catalog import load_hardware
 
     paths, terms, target = _choose_logs(logs or [], bundled, terms, target)
     noise = _one_of("--model", model, ("student-t", "gaussian"))
     settings = FitOptions(terms, noise, heldout, first_frames, SamplerOptions(walkers, steps, seed))
-    columns = _parse_columns(mapping)
-    sources = [_source(path, columns, log_format) for path in paths]
+    columns = _parse_columns(mapping) or None
+    sources = [Source.read(path, columns, log_format) for path in paths]
     if target is None:
         target = target_of(sources[0].log)
     time: TimeName = _one_of("--target", target, ("gpu_ms", "frame_ms", "cpu_ms"))
     base = None if onto is None else load_hardware(onto)
     _check_outputs(terms, time, out, plots)
-    transfer = [_source(_path(name), columns, log_format).log for name in predict or ()]
+    transfer = [Source.read(log_path(name), columns, log_format).log for name in predict or ()]
     with progress_bar("sample") as progress:
         result = fit_logs(
             sources, time, settings, transfer=transfer, resume=resume, progress=progress
@@ -150,21 +150,16 @@ def _choose_logs(
 ) -> tuple[list[Path], str, str | None]:
     """Return the files to fit, the terms and the target: those given, else the bundled ones."""
     from ..analysis.fit.bundled_logs import bundled_fit
+    from ..analysis.fit.log_files import log_path
 
     if bool(logs) is (bundled is not None):
         got = "both" if logs else "neither"
         raise InputError(f"fit: expected LOG… or --bundled PROFILE, got {got}; give one")
     if bundled is None:
-        return [_path(name) for name in logs], "auto" if terms is None else terms, target
+        return [log_path(name) for name in logs], "auto" if terms is None else terms, target
     usual = bundled_fit(bundled)
     terms = usual.terms if terms is None else terms
     return list(usual.logs), terms, usual.target if target is None else target
-
-
-def _path(name: str) -> Path:
-    from ..analysis.fit.bundled_logs import bundled_log
-
-    return bundled_log(name) or Path(name)
 
 
 def _one_of(option: str, value: str, known: tuple[Any, ...]) -> Any:
@@ -180,17 +175,6 @@ def _parse_columns(text: str) -> dict[str, str]:
         if not (name.strip() and equals and column.strip()):
             raise InputError(f"--map: expected name=COLUMN,name=COLUMN, got {text}")
     return {name.strip(): column.strip() for name, _, column in pairs}
-
-
-def _source(path: Path, columns: dict[str, str], log_format: str | None) -> "Source":
-    import hashlib
-
-    from ..analysis.fit.fit import Source
-    from ..traces.logs.read_log import read_render_log
-
-    log = read_render_log(path, columns or None, log_format)
-    with path.open("rb") as file:
-        return Source(log, hashlib.file_digest(file, "sha256").hexdigest())
 
 
 def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path | None) -> None:

@@ -1,126 +1,70 @@
-"""Registered policies, and policies named on a command line.
+"""Policies by name, as classes and as objects.
 
 A policy is named ``name`` or ``name:key=value,key=value``.  A name is a registered one, or
-``path/to/file.py:Class`` or ``package.module:Class`` for a user's own.  Registered classes are
-imported when they are made, not before.
+``path/to/file.py:Class`` or ``package.module:Class`` for a user's own.  The package's own classes
+are imported when they are made, not before.
 """
 
-import importlib
-import importlib.util
 import inspect
-import sys
 import types
-import typing
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeAlias, get_args
 
 import msgspec
 
 from ..base.errors import InputError
 from ..base.nearest_names import unknown_name
-from .protocol import Capabilities, Policy
+from ..base.registry import Registry
+from .policy_spec import Parameter, PolicySpec, parameters
+from .protocol import Policy
 
-REGISTERED = {
-    "full": "bounds.full:Full",
-    "static-distance": "thresholds.static_distance:StaticDistance",
-    "static-screen": "thresholds.static_screen:StaticScreen",
-    "feedback": "controllers.feedback:Feedback",
-    "lodmanager": "budgets.lodmanager:LodManager",
-    "funkhouser": "budgets.funkhouser:Funkhouser",
-    "gobbetti": "budgets.gobbetti:Gobbetti",
-    "gobbetti-custom": "budgets.gobbetti_custom:GobbettiCustom",
-    "wimmer": "budgets.wimmer:Wimmer",
-    "peng": "budgets.peng:Peng",
-    "hlod-hysteresis": "hierarchies.hlod_hysteresis:HlodHysteresis",
-    "mason-blake": "hierarchies.mason_blake:MasonBlake",
-    "maciel": "hierarchies.maciel:Maciel",
-    "erikson": "hierarchies.erikson:Erikson",
-    "zach": "budgets.zach:Zach",
-    "screen-space-error": "thresholds.screen_space_error:ScreenSpaceError",
-    "pixel-error": "thresholds.pixel_error:PixelError",
-    "cluster-cut": "hierarchies.cluster_cut:ClusterCut",
-    "hoppe": "controllers.hoppe:Hoppe",
-    "unity-adaptive": "controllers.unity_adaptive:UnityAdaptive",
-    "unreal-dynamic": "controllers.unreal_dynamic:UnrealDynamic",
-    "pid": "controllers.pid:Pid",
-    "oracle": "bounds.oracle:Oracle",
-    "predictive": "controllers.predictive:Predictive",
-}
-"""Class of each registered policy, as ``module:Class`` in this package."""
+REGISTERED: Registry[object] = Registry(
+    "policy",
+    object,
+    f"{__package__}",
+    {
+        "full": "bounds.full:Full",
+        "static-distance": "thresholds.static_distance:StaticDistance",
+        "static-screen": "thresholds.static_screen:StaticScreen",
+        "feedback": "controllers.feedback:Feedback",
+        "lodmanager": "budgets.lodmanager:LodManager",
+        "funkhouser": "budgets.funkhouser:Funkhouser",
+        "gobbetti": "budgets.gobbetti:Gobbetti",
+        "gobbetti-custom": "budgets.gobbetti_custom:GobbettiCustom",
+        "wimmer": "budgets.wimmer:Wimmer",
+        "peng": "budgets.peng:Peng",
+        "hlod-hysteresis": "hierarchies.hlod_hysteresis:HlodHysteresis",
+        "mason-blake": "hierarchies.mason_blake:MasonBlake",
+        "maciel": "hierarchies.maciel:Maciel",
+        "erikson": "hierarchies.erikson:Erikson",
+        "zach": "budgets.zach:Zach",
+        "screen-space-error": "thresholds.screen_space_error:ScreenSpaceError",
+        "pixel-error": "thresholds.pixel_error:PixelError",
+        "cluster-cut": "hierarchies.cluster_cut:ClusterCut",
+        "hoppe": "controllers.hoppe:Hoppe",
+        "unity-adaptive": "controllers.unity_adaptive:UnityAdaptive",
+        "unreal-dynamic": "controllers.unreal_dynamic:UnrealDynamic",
+        "pid": "controllers.pid:Pid",
+        "oracle": "bounds.oracle:Oracle",
+        "predictive": "controllers.predictive:Predictive",
+    },
+)
+"""The policy classes by name."""
+
+PolicyLike: TypeAlias = str | type[Any] | Policy | PolicySpec
+"""A policy as a user may give it: by name, as a class, or as an object."""
+
+PolicyLikes: TypeAlias = PolicyLike | Sequence[PolicyLike] | Mapping[str, PolicyLike]
+"""One policy, several, or several by label."""
 
 _ON_REQUEST = ("gobbetti-custom", "predictive")
 """Policies that run when named: by default they are another policy, solved slowly or wrapped."""
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A parameter of a policy: its name, type and default."""
-
-    name: str
-    kind: Any
-    default: object
-
-
-@dataclass(frozen=True, slots=True)
-class PolicySpec:
-    """A policy class and the parameters that a user gave.
-
-    Attributes
-    ----------
-    text : what the user wrote
-    name : the part before the parameters
-    cls : the class
-    params : given parameters, converted
-    """
-
-    text: str
-    name: str
-    cls: type[Any]
-    params: dict[str, object]
-
-    def make(self) -> Policy:
-        """Return a new policy.
-
-        Raises `InputError` if the class refuses the parameters, or says nothing of its
-        capabilities.
-        """
-        try:
-            policy = self.cls(**self.params)
-        except InputError:
-            raise
-        except (Exception, SystemExit) as error:  # a user's class may raise anything
-            raise InputError(f"policy {self.text}: {type(error).__name__}: {error}") from error
-        said: object = getattr(policy, "capabilities", None)
-        if not isinstance(said, Capabilities):
-            raise InputError(
-                f"policy {self.text}: expected a class with capabilities, a Capabilities, got "
-                f"{type(said).__name__}; see docs/adding-a-policy.md"
-            )
-        return policy
-
-
 def default_policies() -> tuple[str, ...]:
     """Return the names of the policies that a comparison runs when none is named."""
     return tuple(name for name in REGISTERED if name not in _ON_REQUEST)
-
-
-def parameters(cls: type[Any]) -> list[Parameter]:
-    """Return the keyword parameters of a policy class, in order.
-
-    Raises `InputError` if an annotation does not resolve, so that values could not be converted.
-    """
-    try:
-        hints = typing.get_type_hints(cls.__init__)
-    except NameError as error:
-        raise InputError(
-            f"policy class {cls.__name__}: expected annotations that resolve when it is loaded, "
-            f"got {error}; import the name outside of TYPE_CHECKING"
-        ) from error
-    return [
-        Parameter(name, hints.get(name, str), parameter.default)
-        for name, parameter in inspect.signature(cls).parameters.items()
-    ]
 
 
 def parse_policy(text: str) -> PolicySpec:
@@ -130,7 +74,7 @@ def parse_policy(text: str) -> PolicySpec:
     convert, or a user's file or class cannot be loaded.
     """
     name, given = _split(text)
-    cls = _find(name)
+    cls = _class_of(name)
     known = {parameter.name: parameter for parameter in parameters(cls)}
     params: dict[str, object] = {}
     for item in filter(None, given.split(",")):
@@ -144,6 +88,63 @@ def parse_policy(text: str) -> PolicySpec:
     return PolicySpec(text, name, cls, params)
 
 
+def policy_text(name: str, params: Mapping[str, object]) -> str:
+    """Return what a command line calls a policy: what `parse_policy` reads."""
+    words = [f"{key}={_word(value)}" for key, value in params.items()]
+    return f"{name}:{','.join(words)}" if words else name
+
+
+def spec_of(policy: PolicyLike, label: str | None = None) -> PolicySpec:
+    """Return how to make a policy that is given by name, as a class or as an object.
+
+    A class is labelled by its name, an object also by the parameters that it was made with.
+
+    Raises `InputError` as `parse_policy` does, or if it is no policy.
+    """
+    if isinstance(policy, PolicySpec):
+        spec = policy
+    elif isinstance(policy, str):
+        spec = parse_policy(policy)
+    elif isinstance(policy, type):
+        name = policy.__name__
+        spec = PolicySpec(name, name, _policy_class(name, policy), {})
+    else:
+        name, params = type(policy).__name__, _given(policy)
+        cls = _policy_class(name, type(policy))
+        spec = PolicySpec(policy_text(name, params), name, cls, params, policy)
+    return spec if label is None else replace(spec, label=label)
+
+
+def specs_of(policies: PolicyLikes) -> list[PolicySpec]:
+    """Return how to make one policy or several; the keys of a mapping are their labels.
+
+    Raises `InputError` as `spec_of` does, or if two have one label.
+    """
+    if isinstance(policies, Mapping):
+        return [spec_of(policy, label) for label, policy in policies.items()]
+    if isinstance(policies, str) or not isinstance(policies, Sequence):
+        policies = [policies]
+    specs = [spec_of(policy) for policy in policies]
+    require_distinct(specs)
+    return specs
+
+
+def require_distinct(specs: Sequence[PolicySpec]) -> None:
+    """Raise `InputError` if two policies have one label."""
+    labels = [spec.label for spec in specs]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise InputError(f"policy: expected each once, got {label} twice; name it once")
+
+
+def register_policy(name: str, cls: type[Any]) -> None:
+    """Give a policy class a name of its own in this process; the last one of a name counts.
+
+    Raises `InputError` if the name is one of ours or holds a colon, or the class is no policy.
+    """
+    REGISTERED.register(name, _policy_class(name, cls))
+
+
 def _split(text: str) -> tuple[str, str]:
     """Split off the parameters; the name itself holds a colon in ``file.py:Class``."""
     head, equals, _ = text.partition("=")
@@ -155,61 +156,41 @@ def _split(text: str) -> tuple[str, str]:
     return name.strip(), text[len(name) + 1 :]
 
 
-def _find(name: str) -> type[Any]:
-    if name in REGISTERED:
-        module, _, cls = REGISTERED[name].partition(":")
-        return getattr(importlib.import_module(f".{module}", __package__), cls)
-    where, _, cls = name.rpartition(":")
-    if where in REGISTERED:
-        raise InputError(f"policy {where}: expected key=value after the colon, got {cls or name}")
-    if not (where and cls):
-        own = "your own as file.py:Class"
-        raise InputError(f"policy: {unknown_name(name, sorted(REGISTERED), instead=own)}")
-    module = _load_file(Path(where)) if where.endswith(".py") else _import(where)
-    found = getattr(module, cls, None)
-    if not inspect.isclass(found):
-        classes = [
-            n for n, c in vars(module).items() if inspect.isclass(c) and hasattr(c, "select")
-        ]
-        raise InputError(f"policy {where}: {unknown_name(cls, sorted(classes))}")
-    if not (hasattr(found, "select") and hasattr(found, "reset")):
+def _class_of(name: str) -> type[Any]:
+    owner, _, rest = name.rpartition(":")
+    if owner in REGISTERED:
+        raise InputError(f"policy {owner}: expected key=value after the colon, got {rest or name}")
+    return _policy_class(name, REGISTERED.find(name))
+
+
+def _policy_class(name: str, cls: object) -> type[Any]:
+    if not (inspect.isclass(cls) and hasattr(cls, "select") and hasattr(cls, "reset")):
         raise InputError(f"policy {name}: expected a class with reset and select")
-    return found
+    return cls
 
 
-def _load_file(path: Path) -> types.ModuleType:
-    if not path.is_file():
-        raise InputError("expected a Python file with a policy, got no file", path=path)
-    # Registered under a name of its own, so that instances pickle and the file stays importable.
-    name = f"lodbench_user_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None, "a .py file has a loader"
-    assert spec.loader is not None, "a .py file has a loader"
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:  # a script may end with sys.exit()
-        line = error.lineno if isinstance(error, SyntaxError) else None
-        raise InputError(
-            f"expected a Python file that loads, got {type(error).__name__}: {error}",
-            path=path,
-            line=line,
-        ) from error
-    return module
+def _given(policy: Policy) -> dict[str, object]:
+    """Return the parameters of an object that are plain values other than their defaults."""
+    known = inspect.signature(type(policy)).parameters
+    values = {name: getattr(policy, name, ...) for name in known}
+    plain = (bool, int, float, str, types.NoneType)
+    return {
+        name: value
+        for name, value in values.items()
+        if isinstance(value, plain) and value != known[name].default
+    }
 
 
-def _import(name: str) -> types.ModuleType:
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise InputError(f"policy module {name}: {error}; is it installed?") from error
+def _word(value: object) -> object:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return "none" if value is None else value
 
 
 def _convert(value: str, parameter: Parameter, text: str) -> object:
     """Convert a value to the parameter's annotation: on and off are booleans, none is None."""
     word = {"on": True, "off": False, "none": None}.get(value.lower(), value)
-    if bool not in (parameter.kind, *typing.get_args(parameter.kind)) and word is not None:
+    if bool not in (parameter.kind, *get_args(parameter.kind)) and word is not None:
         word = value
     try:
         return msgspec.convert(word, parameter.kind, strict=False)

@@ -9,14 +9,18 @@ from array import array
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError
+from ..base.html_table import html_table
 from ..base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 TIMES = (
     "input_ns",  # the camera was sampled and CPU work began
@@ -88,7 +92,14 @@ class LogHeader:
     oracle: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+def _spread(values: NDArray[Any]) -> tuple[float | None, ...]:
+    known = values[~np.isnan(values)]
+    if not len(known):
+        return None, None, None
+    return float(known.min()), float(np.median(known)), float(known.max())
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FrameLog:
     """Frames of one replay.
 
@@ -122,6 +133,28 @@ class FrameLog:
         if column in _TIME_INDEX:
             return self.times_ns[:, _TIME_INDEX[column]]
         return self.counts[:, _COUNT_INDEX[column]]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return TIMES + COUNTS
+
+    def to_table(self) -> "pa.Table":
+        """Return the frames as an Arrow table, one row a frame."""
+        import pyarrow as pa
+
+        return pa.table({name: self[name] for name in self.columns})
+
+    def __repr__(self) -> str:
+        header = self.header
+        return (
+            f"<FrameLog of {header.policy} in {header.scene} on {header.trace}, "
+            f"{header.hardware}: {len(self)} frames>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [(name, *_spread(self[name])) for name in self.columns]
+        return html_table(repr(self)[1:-1], ("column", "least", "median", "most"), rows)
 
 
 _TIME_INDEX = {name: i for i, name in enumerate(TIMES)}

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..analysis.gate.check import Plan, judge_measured, measure_plan
+from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
 from ..analysis.gate.limits_file import choose_limits
-from ..analysis.gate.measurements import Sampling
+from ..analysis.gate.measurements import MeasureOptions
 from ..analysis.gate.plain_text import describe, describe_failures
 from ..analysis.study.inputs import load_trace
 from ..models.machine.hardware import HardwareProfile
@@ -63,7 +63,7 @@ def assert_budget(
     __tracebackhide__ = True  # for pytest: the message says all
     chosen = budget or FrameBudget()
     limits = choose_limits(chosen.limits, chosen.baseline)
-    plan = Plan(
+    plan = CheckPlan(
         policies=(name_policy(policy),),
         scenes=(scene,),
         traces=(trace,),
@@ -73,7 +73,7 @@ def assert_budget(
         frames=chosen.frames,
         warmup=chosen.warmup,
     )
-    conditions, measured = measure_plan(plan, Sampling(seeds=chosen.seeds))
+    conditions, measured = measure_plan(plan, MeasureOptions(seeds=chosen.seeds))
     report = judge_measured(limits, measured, conditions, chosen.baseline, strict=chosen.strict)
     if not report.passed:
         raise AssertionError(describe_failures(report))

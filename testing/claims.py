@@ -7,6 +7,7 @@ import numpy as np
 
 from ..base.arrays import FloatArray
 from ..models.machine.cost import CostModel
+from ..models.machine.frame_cost import FrameCost
 from ..models.machine.hardware import Display, HardwareProfile
 from ..models.scene.tree import Tree
 from ..sim.accounting.accounting import Accounting
@@ -68,7 +69,9 @@ def _least_ms(frames: list[Frame], costs: CostModel) -> np.ndarray:
     if not frames:
         return np.zeros(0)
     first = frames[0].view
-    accounting = Accounting(first.scene, costs, 0, first.camera)
+    accounting = Accounting(
+        first.scene, FrameCost(costs, first.scene.types.levels), 0, first.camera
+    )
     tallies = [accounting.tally(0, accounting.drawn(coarsest(f.view), f.view)) for f in frames]
     return np.array([tally.gpu_ms for tally in tallies])
 

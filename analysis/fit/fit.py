@@ -4,12 +4,16 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
+from ...base.html_table import html_table
 from ...traces.logs.log_checks import Finding, check_log
+from ...traces.logs.log_format import Columns
+from ...traces.logs.read_log import read_render_log
 from ...traces.logs.render_log import Rejection, RenderLog, TimeName
 from .assessment.choose_terms import Candidate, candidate_predictors, choose_terms
 from .assessment.collinearity import Collinearity, examine
@@ -21,6 +25,11 @@ from .fit_frames import Sample, gather
 from .sampling.diagnostics import Diagnostics, diagnose
 from .sampling.sampler import Progress, SamplerOptions
 from .terms import Term, parse_terms, predictors_of
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+_COLUMNS = ("name", "mean_ms", "sd_ms", "q05_ms", "q50_ms", "q95_ms")
 
 AUTO = "auto"
 NO_SPLIT = "none"
@@ -52,8 +61,15 @@ class Source:
     log: RenderLog
     sha256: str = ""
 
+    @classmethod
+    def read(cls, path: Path, mapping: Columns = None, log_format: str | None = None) -> "Source":
+        """Read a log, as `read_render_log` does."""
+        log = read_render_log(path, mapping, log_format)
+        with path.open("rb") as file:
+            return cls(log, hashlib.file_digest(file, "sha256").hexdigest())
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Fit:
     """What was found.
 
@@ -83,6 +99,27 @@ class Fit:
     transfer: tuple[HeldOut, ...]
     coefficients: FloatArray
     combinations: tuple[FloatArray, ...]
+
+    def __repr__(self) -> str:
+        logs = ", ".join(source.log.name for source in self.sources)
+        return f"<Fit of {self.target} to {logs}: {', '.join(map(str, self.estimate.terms))}>"
+
+    def to_table(self) -> "pa.Table":
+        """Return one row a coefficient: mean, deviation and quantiles, in ms per unit."""
+        import pyarrow as pa
+
+        rows = list(zip(*self._rows(), strict=True))
+        return pa.table(dict(zip(_COLUMNS, rows, strict=True)))
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], _COLUMNS, self._rows())
+
+    def _rows(self) -> list[tuple[object, ...]]:
+        samples = self.coefficients
+        quantiles = np.quantile(samples, (0.05, 0.5, 0.95), axis=0)
+        columns = (samples.mean(axis=0), samples.std(axis=0), *quantiles)
+        numbers = (column.tolist() for column in columns)
+        return list(zip(self.estimate.design.names, *numbers, strict=True))
 
 
 def fit_logs(

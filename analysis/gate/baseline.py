@@ -13,7 +13,7 @@ from ...base.errors import InputError
 from ...base.strict_json import read_json
 from ...base.whole_file import write_whole
 from .limits import Limits
-from .measurements import Conditions, Measured
+from .measurements import Conditions, MeasuredPolicy
 
 _SCHEMA = "lodbench.baseline/1"
 _UPDATE = "write it again with `lodbench check --update-baseline`"
@@ -47,7 +47,7 @@ class Baseline:
     cases: list[_Case] = field(default_factory=list[_Case])
     schema: Literal["lodbench.baseline/1"] = _SCHEMA
 
-    def find(self, measured: Measured, metric: str) -> tuple[float, FloatArray] | None:
+    def find(self, measured: MeasuredPolicy, metric: str) -> tuple[float, FloatArray] | None:
         """Return value and resamples of a metric, or None if the baseline does not have it."""
         wanted = (measured.policy, measured.scene, measured.trace)
         for case in self.cases:
@@ -57,7 +57,9 @@ class Baseline:
         return None
 
 
-def make_baseline(conditions: Conditions, measured: Iterable[Measured], limits: Limits) -> Baseline:
+def make_baseline(
+    conditions: Conditions, measured: Iterable[MeasuredPolicy], limits: Limits
+) -> Baseline:
     """Return the baseline that the relative limits need; policies without scores are left out."""
     cases: list[_Case] = []
     for item in measured:

@@ -6,29 +6,23 @@ from itertools import product
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...models.machine.hardware import HardwareProfile
-from ...models.machine.profile_catalog import load_hardware
-from ...models.scene.scene import Scene
-from ...models.scene.scene_catalog import load_scene
-from ...policies.registry import parse_policy
+from ...policies.registry import PolicyLikes, specs_of
 from ...sim.replay import ReplayOptions
-from ...traces.cameras.camera_trace import CameraTrace
-from ..study.inputs import load_trace
+from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
 from ..study.score import World
 from .baseline import read_baseline
-from .check_result import Report, judge_all
+from .check_result import CheckReport, judge_all
 from .limits import Limits
-from .measurements import Conditions, Measured, Sampling, measure
+from .measurements import Conditions, MeasuredPolicy, MeasureOptions, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class CheckPlan:
     """What is replayed: every policy in every scene on every trace.
 
     Attributes
     ----------
-    policies : tuple of str
-        As on a command line.
+    policies : by name, class, object, or a mapping of labels to these
     scenes, traces, hardware : bundled names, files, or what was loaded from them
     budget_ms : float or None
         None for one refresh of the display.
@@ -36,10 +30,10 @@ class Plan:
         How the trace of a file is put into a scene.
     """
 
-    policies: tuple[str, ...]
-    scenes: tuple[str | Scene, ...] = ("plaza",)
-    traces: tuple[str | CameraTrace, ...] = ("tour",)
-    hardware: str | HardwareProfile = "desktop-assumed"
+    policies: PolicyLikes
+    scenes: tuple[SceneLike, ...] = ("plaza",)
+    traces: tuple[TraceLike, ...] = ("tour",)
+    hardware: HardwareLike = "desktop-assumed"
     budget_ms: float | None = None
     seed: int = 0
     frames: int | None = None
@@ -47,7 +41,9 @@ class Plan:
     place: str = "shrink"
 
 
-def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measured]]:
+def measure_plan(
+    plan: CheckPlan, sampling: MeasureOptions
+) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay a plan.
 
     Raises `InputError` if a name is unknown, a file cannot be read, or two scenes or traces have
@@ -55,31 +51,30 @@ def measure_plan(plan: Plan, sampling: Sampling) -> tuple[Conditions, list[Measu
     """
     if not plan.policies:
         raise InputError("policy: expected the policies to check, got none; name one")
-    profile = load_hardware(plan.hardware) if isinstance(plan.hardware, str) else plan.hardware
+    profile = as_hardware(plan.hardware)
     budget_ms = 1e3 / profile.display.refresh_hz if plan.budget_ms is None else plan.budget_ms
     options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
-    specs = [parse_policy(text) for text in plan.policies]
-    scenes = [load_scene(item) if isinstance(item, str) else item for item in plan.scenes]
-    found: dict[tuple[str, str], tuple[Conditions, list[Measured]]] = {}
-    for scene, item in product(scenes, plan.traces):
-        trace = load_trace(item, scene, plan.place) if isinstance(item, str) else item
+    specs = specs_of(plan.policies)
+    results: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
+    for scene, item in product(map(as_scene, plan.scenes), plan.traces):
+        trace = as_trace(item, scene, plan.place)
         names = (scene.name, trace.name)
-        if names in found:
+        if names in results:
             raise InputError(f"expected scenes and traces of different names, got {names} twice")
         world = World(scene, trace, profile, options, plan.warmup)
-        found[names] = measure(specs, world, sampling)
-    conditions = next(iter(found.values()))[0]
-    return conditions, [item for _, measured in found.values() for item in measured]
+        results[names] = measure(specs, world, sampling)
+    conditions = next(iter(results.values()))[0]
+    return conditions, [item for _, measured in results.values() for item in measured]
 
 
 def judge_measured(
     limits: Limits,
-    measured: Sequence[Measured],
+    measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Path,
     *,
     strict: bool = False,
-) -> Report:
+) -> CheckReport:
     """Judge what was measured; the baseline is read if a limit needs it.
 
     Raises `InputError` if it is needed and missing, or of other conditions.

@@ -2,20 +2,30 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import msgspec
 
+from ...base.html_table import html_table
 from .baseline import Baseline
-from .judgement import Verdict, judge, judge_failure
+from .judgement import Outcome, Verdict, judge, judge_failure
 from .limits import Limits
-from .measurements import Conditions, Measured
+from .measurements import Conditions, MeasuredPolicy
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 SCHEMA = "lodbench.check/1"
 
 
-@dataclass(frozen=True, slots=True)
-class Report:
+_COLUMNS = (
+    *("policy", "scene", "trace", "metric", "outcome", "limit"),
+    *("value", "low", "high", "unit", "reason"),
+)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class CheckReport:
     """Verdicts on all limits, without any wall-clock time.
 
     Attributes
@@ -33,6 +43,23 @@ class Report:
     unused: tuple[str, ...] = ()
     schema: Literal["lodbench.check/1"] = SCHEMA
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{self.count(outcome)} {outcome}" for outcome in get_args(Outcome))
+        return f"<CheckReport {'passed' if self.passed else 'failed'}: {counts}>"
+
+    def to_table(self) -> "pa.Table":
+        """Return one row a limit and policy: what was judged, the outcome, value and reason."""
+        import pyarrow as pa
+
+        rows = list(zip(*self._rows(), strict=True)) or [()] * len(_COLUMNS)
+        return pa.table(dict(zip(_COLUMNS, rows, strict=True)))
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], _COLUMNS, self._rows())
+
+    def _rows(self) -> list[list[object]]:
+        return [[getattr(item, name) for name in _COLUMNS] for item in self.verdicts]
+
     def count(self, outcome: str) -> int:
         """Return how many limits have an outcome."""
         return sum(verdict.outcome == outcome for verdict in self.verdicts)
@@ -44,12 +71,12 @@ class Report:
 
 def judge_all(
     limits: Limits,
-    measured: Sequence[Measured],
+    measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Baseline | None,
     *,
     strict: bool = False,
-) -> Report:
+) -> CheckReport:
     """Judge every limit on everything measured, in the order of both."""
     verdicts: list[Verdict] = []
     for item in measured:
@@ -67,10 +94,10 @@ def judge_all(
     wrong = {"fails", "undecided"} if strict else {"fails"}
     passed = not any(verdict.outcome in wrong for verdict in verdicts)
     passed = passed and not (strict and (unused or not verdicts))
-    return Report(passed, strict, conditions, tuple(verdicts), unused)
+    return CheckReport(passed, strict, conditions, tuple(verdicts), unused)
 
 
-def encode_report(report: Report) -> bytes:
+def encode_report(report: CheckReport) -> bytes:
     """Return the JSON of a report, indented, its schema first."""
     fields: dict[str, object] = msgspec.to_builtins(report)
     ordered = {"schema": fields.pop("schema"), **fields}

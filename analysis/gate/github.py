@@ -7,14 +7,14 @@ properties also ``:`` and ``,``.
 from collections.abc import Iterator
 from pathlib import Path
 
-from .check_result import Report
+from .check_result import CheckReport
 from .plain_text import describe
 
 _DATA = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _PROPERTY = {**_DATA, ":": "%3A", ",": "%2C"}
 
 
-def annotations(report: Report, limits: Path | None) -> Iterator[str]:
+def annotations(report: CheckReport, limits: Path | None) -> Iterator[str]:
     """Yield an error for each failure, a warning for each other undecided limit."""
     for verdict in report.verdicts:
         failure = report.is_failure(verdict)

@@ -9,7 +9,7 @@ from ...base.arrays import FloatArray
 from ..verdict.uncertainty import LEVEL
 from .baseline import Baseline
 from .limits import Limit
-from .measurements import Conditions, Measured
+from .measurements import Conditions, MeasuredPolicy
 from .worst_frame import WorstFrame, find_worst
 
 Outcome = Literal["passes", "fails", "undecided"]
@@ -67,7 +67,7 @@ class Verdict:
     worst: WorstFrame | None = None
 
 
-def judge_failure(measured: Measured) -> Verdict:
+def judge_failure(measured: MeasuredPolicy) -> Verdict:
     """Return the verdict on a policy without scores: it broke its contract, or does not apply."""
     outcome: Outcome = "fails" if measured.failed else "undecided"
     names = (measured.policy, measured.scene, measured.trace)
@@ -75,7 +75,7 @@ def judge_failure(measured: Measured) -> Verdict:
 
 
 def judge(
-    limit: Limit, measured: Measured, conditions: Conditions, baseline: Baseline | None
+    limit: Limit, measured: MeasuredPolicy, conditions: Conditions, baseline: Baseline | None
 ) -> Verdict:
     """Return whether a limit holds for a measured policy.
 
@@ -132,7 +132,7 @@ def _decide(better: float, worse: float) -> tuple[Outcome, str | None]:
 
 
 def _relative(
-    limit: Limit, measured: Measured, conditions: Conditions, baseline: Baseline | None
+    limit: Limit, measured: MeasuredPolicy, conditions: Conditions, baseline: Baseline | None
 ) -> tuple[Outcome, str | None, Change | None]:
     """Judge the change from the baseline, resample by resample."""
     score = measured.scores[limit.metric]

@@ -5,12 +5,12 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ...base.whole_file import write_whole
-from .check_result import Report
+from .check_result import CheckReport
 from .judgement import Verdict
 from .plain_text import describe, explain
 
 
-def write_junit(path: Path, report: Report) -> None:
+def write_junit(path: Path, report: CheckReport) -> None:
     """Write a report, all of it or nothing; undecided limits are skipped tests unless strict."""
     root = Element("testsuites", name="lodbench check")
     for (policy, scene, trace), verdicts in groupby(report.verdicts, _suite):
@@ -24,7 +24,7 @@ def _suite(verdict: Verdict) -> tuple[str, str, str]:
     return verdict.policy, verdict.scene, verdict.trace
 
 
-def _add_suite(root: Element, name: str, verdicts: list[Verdict], report: Report) -> None:
+def _add_suite(root: Element, name: str, verdicts: list[Verdict], report: CheckReport) -> None:
     failed = [verdict for verdict in verdicts if report.is_failure(verdict)]
     skipped = [v for v in verdicts if v.outcome == "undecided" and not report.is_failure(v)]
     suite = SubElement(

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...policies.protocol import why_not_applicable
-from ...policies.registry import PolicySpec
+from ...policies.policy_spec import PolicySpec
+from ...policies.registry import require_distinct
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import Run
 from ..metrics.metric_registry import METRICS
@@ -27,7 +27,7 @@ from ..verdict.uncertainty import Pool, interval
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sampling:
+class MeasureOptions:
     """How much is replayed.
 
     Attributes
@@ -39,7 +39,7 @@ class Sampling:
     draws : int
         Posterior draws of the cost model to replay under each seed, if the profile has them.
     workers : int
-        Processes; results do not depend on it.
+        Processes; 0 for as many as there are processors.  Results do not depend on it.
     """
 
     seeds: int = 4  # enough to find 5 % more in the 99th percentile of 200 frames; see docs/ci.md
@@ -48,7 +48,7 @@ class Sampling:
     workers: int = 1
 
     def __post_init__(self) -> None:
-        for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 1)):
+        for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 0)):
             value = getattr(self, name)
             if value < low:
                 raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
@@ -69,7 +69,7 @@ class Conditions:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class MeasuredPolicy:
     """One policy in one scene on one trace.
 
     Attributes
@@ -98,33 +98,24 @@ class Measured:
 
 
 def measure(
-    policies: Sequence[PolicySpec], world: World, sampling: Sampling
-) -> tuple[Conditions, list[Measured]]:
+    policies: Sequence[PolicySpec], world: World, sampling: MeasureOptions
+) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay each policy under successive seeds, from the one of the world's options on.
 
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
     """
-    frames = world.options.frames
-    if frames is not None and frames <= world.warmup:
-        raise InputError(
-            f"frames: expected more than the {world.warmup} of warm-up, got {frames}; "
-            "give --frames more or --warmup less"
-        )
-    unfit = {
-        spec.text: why_not_applicable(spec.make().capabilities, world.scene) for spec in policies
-    }
-    if len(unfit) < len(policies):
-        raise InputError("policy: expected each once, got one twice; name it once")
-    fit = [label for label, reason in unfit.items() if reason is None]
-    jobs = len(fit) * sampling.seeds
-    with started(world, min(sampling.workers, max(jobs, 1))) as run_jobs:
+    world.require_scored_frames()
+    require_distinct(policies)
+    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
+    fit = [spec for spec in policies if unfit[spec.label] is None]
+    with started(world, sampling.workers, len(fit) * sampling.seeds) as run_jobs:
         scored = _run(fit, world, sampling, run_jobs)
     options, names = world.options, (world.scene.name, world.trace.name)
-    measured: list[Measured] = []
+    measured: list[MeasuredPolicy] = []
     for label, reason in unfit.items():
         if reason is not None:
-            measured.append(Measured(label, *names, f"not applicable: {reason}"))
+            measured.append(MeasuredPolicy(label, *names, f"not applicable: {reason}"))
         else:
             measured.append(_measured(label, names, *scored[label]))
     conditions = Conditions(
@@ -141,33 +132,33 @@ def measure(
 
 
 def _run(
-    labels: list[str], world: World, sampling: Sampling, run_jobs: RunJobs
+    specs: list[PolicySpec], world: World, sampling: MeasureOptions, run_jobs: RunJobs
 ) -> dict[str, tuple[list[Scored], list[list[Scored]]]]:
     """Score each policy by seed under the mean, and by draw and seed."""
     seeds = range(world.options.seed, world.options.seed + sampling.seeds)
     draws = choose_draws(world.hardware, sampling.draws)
     each = -(-sampling.resamples // max(len(draws), 1))
-    jobs = [Job(label, None, 0, sampling.resamples, seed) for label in labels for seed in seeds]
+    jobs = [Job(spec, None, 0, sampling.resamples, seed) for spec in specs for seed in seeds]
     means = iter(run_jobs(jobs))
-    by_seed = {label: [next(means) for _ in seeds] for label in labels}
-    sound = [label for label in labels if all(run.failure is None for run in by_seed[label])]
+    by_seed = {spec.label: [next(means) for _ in seeds] for spec in specs}
+    sound = [spec for spec in specs if all(run.failure is None for run in by_seed[spec.label])]
     jobs = [
-        Job(label, draw, stream, each, seed)
-        for label in sound
+        Job(spec, draw, stream, each, seed)
+        for spec in sound
         for stream, draw in enumerate(draws)
         for seed in seeds
     ]
     drawn = iter(run_jobs(jobs))
-    by_draw = {label: [[next(drawn) for _ in seeds] for _ in draws] for label in sound}
-    return {label: (by_seed[label], by_draw.get(label, [])) for label in labels}
+    by_draw = {spec.label: [[next(drawn) for _ in seeds] for _ in draws] for spec in sound}
+    return {label: (runs, by_draw.get(label, [])) for label, runs in by_seed.items()}
 
 
 def _measured(
     label: str, names: tuple[str, str], means: list[Scored], drawn: list[list[Scored]]
-) -> Measured:
+) -> MeasuredPolicy:
     for run in (*means, *(run for runs in drawn for run in runs)):
         if run.failure is not None:
-            return Measured(label, *names, run.failure, failed=True)
+            return MeasuredPolicy(label, *names, run.failure, failed=True)
     paired = _pool(means)
     pools = [_pool(runs) for runs in drawn] or [paired]
     scores: dict[str, Score] = {}
@@ -178,7 +169,7 @@ def _measured(
         low, high = interval(np.concatenate(every) if len(every) == len(pools) else None)
         scores[metric.id] = Score(value, low, high, metric.unit, metric.better)
     logs = tuple(run.log for run in means if run.log is not None)
-    return Measured(label, *names, None, False, scores, paired, logs)
+    return MeasuredPolicy(label, *names, None, False, scores, paired, logs)
 
 
 def _pool(runs: list[Scored]) -> Pool:
@@ -217,7 +208,7 @@ def _mean_over_seeds(values: FloatArray, count: int) -> FloatArray:
     return values.mean() + deviation * np.sqrt(n / (n - 1))
 
 
-def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
+def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Return what a folder that `compare --out` wrote holds: one seed.
 
     Raises `InputError` if a file is missing, broken, or of another run.
@@ -225,7 +216,7 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
     comparison, logs = read_results(folder)
     names = (comparison.scene, comparison.trace)
     count = comparison.intervals.resamples
-    measured: list[Measured] = []
+    measured: list[MeasuredPolicy] = []
     for policy in comparison.policies:
         log = logs.get(policy.label)
         if log is None:
@@ -234,7 +225,9 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
         run = Run(log, comparison.warmup)
         statistics = {metric.id: metric(run) for metric in METRICS}
         paired = resample(run, statistics, comparison.seed, 0, count)
-        measured.append(Measured(policy.label, *names, None, False, policy.metrics, paired, (log,)))
+        measured.append(
+            MeasuredPolicy(policy.label, *names, None, False, policy.metrics, paired, (log,))
+        )
     conditions = Conditions(
         comparison.hardware,
         comparison.budget_ms,
@@ -248,7 +241,7 @@ def measure_run(folder: Path) -> tuple[Conditions, list[Measured]]:
     return conditions, measured
 
 
-def _without_scores(policy: PolicyResult, names: tuple[str, str]) -> Measured:
+def _without_scores(policy: PolicyResult, names: tuple[str, str]) -> MeasuredPolicy:
     failed = policy.status == "failed"
     reason = policy.reason if failed else f"not applicable: {policy.reason}"
-    return Measured(policy.label, *names, reason, failed)
+    return MeasuredPolicy(policy.label, *names, reason, failed)

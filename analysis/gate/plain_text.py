@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 from ..report.values import format_value
-from .check_result import Report
+from .check_result import CheckReport
 from .judgement import Change, Verdict
 
 _WORDS = {"passes": "passes", "fails": "FAILS", "undecided": "undecided"}
 
 
-def lines(report: Report) -> Iterator[str]:
+def lines(report: CheckReport) -> Iterator[str]:
     """Yield one line a verdict, what was never applied, and the sum of it."""
     for verdict in report.verdicts:
         yield describe(verdict)
@@ -20,7 +20,7 @@ def lines(report: Report) -> Iterator[str]:
     yield f"{'passed' if report.passed else 'failed'}: {counts}{strict}"
 
 
-def describe_failures(report: Report) -> str:
+def describe_failures(report: CheckReport) -> str:
     """Return the lines of what failed the check."""
     wrong = [describe(verdict) for verdict in report.verdicts if report.is_failure(verdict)]
     if report.strict:

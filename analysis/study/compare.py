@@ -1,7 +1,6 @@
 """Compare policies: replay each in the same world and score all on the same footing."""
 
 import itertools
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -10,8 +9,8 @@ import numpy as np
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.protocol import why_not_applicable
-from ...policies.registry import PolicySpec
+from ...policies.policy_spec import PolicySpec
+from ...policies.registry import require_distinct
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
@@ -19,7 +18,7 @@ from ..metrics.metric_registry import METRICS
 from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
-from .comparison import Comparison, Conditions, Intervals, PolicyResult, Score
+from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
 from .score import Job, Scored, World
 from .workers import RunJobs, started
 
@@ -54,11 +53,6 @@ class CompareOptions:
             if value < low:
                 raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
 
-    @property
-    def processes(self) -> int:
-        """Number of processes."""
-        return self.workers or os.cpu_count() or 1
-
 
 def compare(
     policies: Sequence[PolicySpec],
@@ -78,16 +72,17 @@ def compare(
     be warm-up.
     """
     options = options or CompareOptions()
-    _check_length(trace, replay_options, options)
-    unfit = _unfit(policies, scene)
     world = World(scene, trace, hardware, replay_options, options.warmup)
+    world.require_scored_frames()
+    require_distinct(policies)
+    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
     draws = choose_draws(hardware, options.draws)
-    fit = [label for label, reason in unfit.items() if reason is None]
+    fit = [spec for spec in policies if unfit[spec.label] is None]
     total = len(fit) * (1 + len(draws))
     each = _per_draw(options, draws)
-    with started(world, min(options.processes, total)) as run_jobs:
+    with started(world, options.workers, total) as run_jobs:
         means, drawn = _run(fit, draws, each, _counted(run_jobs, total, progress))
-    results = tuple(_result(spec, unfit[spec.text], means, drawn) for spec in policies)
+    results = tuple(_result(spec, unfit[spec.label], means, drawn) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
     pools = {item.label: pool_of(means[item.label], drawn[item.label]) for item in scored}
     logs = {label: log for label in pools if (log := means[label].log) is not None}
@@ -106,27 +101,6 @@ def compare(
         beats=beats(pools),
     )
     return comparison, logs
-
-
-def _check_length(trace: CameraTrace, replay: ReplayOptions, options: CompareOptions) -> None:
-    """Refuse what no policy could be scored on."""
-    # A trace without duration is replayed for one frame.
-    frames = replay.frames or (1 if trace.duration_s == 0.0 else None)
-    if frames is not None and frames <= options.warmup:
-        raise InputError(
-            f"frames: expected more than the {options.warmup} of warm-up, got {frames}; "
-            "give --frames more or --warmup less"
-        )
-
-
-def _unfit(policies: Sequence[PolicySpec], scene: Scene) -> dict[str, str | None]:
-    """Return by label why each policy does not apply, or None; refuse a label given twice."""
-    unfit: dict[str, str | None] = {}
-    for spec in policies:
-        if spec.text in unfit:
-            raise InputError(f"policy: expected each once, got {spec.text} twice; name it once")
-        unfit[spec.text] = why_not_applicable(spec.make().capabilities, scene)
-    return unfit
 
 
 def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
@@ -155,16 +129,15 @@ def _counted(run_jobs: RunJobs, total: int, progress: Progress | None) -> RunJob
 
 
 def _run(
-    labels: list[str], draws: list[int], each: int, run_jobs: RunJobs
+    specs: list[PolicySpec], draws: list[int], each: int, run_jobs: RunJobs
 ) -> tuple[dict[str, Scored], dict[str, list[Scored]]]:
     """Score every policy under the mean, then those that did not fail under every draw."""
-    jobs = [Job(label, None, 0, 0 if draws else each) for label in labels]
-    means = dict(zip(labels, run_jobs(jobs), strict=True))
-    sound = [label for label in labels if means[label].failure is None]
-    jobs = [Job(label, draw, stream, each) for label in sound for stream, draw in enumerate(draws)]
-    scored = list(run_jobs(jobs))
-    drawn = {label: scored[i * len(draws) : (i + 1) * len(draws)] for i, label in enumerate(sound)}
-    return means, drawn
+    jobs = [Job(spec, None, 0, 0 if draws else each) for spec in specs]
+    means = {spec.label: scored for spec, scored in zip(specs, run_jobs(jobs), strict=True)}
+    sound = [spec for spec in specs if means[spec.label].failure is None]
+    jobs = [Job(spec, draw, stream, each) for spec in sound for stream, draw in enumerate(draws)]
+    scored = iter(list(run_jobs(jobs)))
+    return means, {spec.label: [next(scored) for _ in draws] for spec in sound}
 
 
 def _result(
@@ -173,15 +146,15 @@ def _result(
     means: dict[str, Scored],
     drawn: dict[str, list[Scored]],
 ) -> PolicyResult:
-    label, oracle = spec.text, spec.cls.capabilities.future
-    if unfit is not None:
-        return PolicyResult(spec.name, label, spec.params, "not-applicable", unfit, oracle, 0, {})
-    mean = means[label]
-    runs = [mean, *drawn.get(label, [])]
+    oracle = spec.make().capabilities.future
+    runs = [means[spec.label], *drawn.get(spec.label, [])] if unfit is None else []
     failure = next((run.failure for run in runs if run.failure is not None), None)
-    if failure is not None:
-        return PolicyResult(spec.name, label, spec.params, "failed", failure, oracle, 0, {})
-    pool: Pool = pool_of(mean, drawn[label])
+    if unfit is not None or failure is not None:
+        status = "failed" if unfit is None else "not-applicable"
+        reason = failure if unfit is None else unfit
+        return PolicyResult(spec.name, spec.label, spec.params, status, reason, oracle, 0, {})
+    mean = runs[0]
+    pool: Pool = pool_of(mean, drawn[spec.label])
     metrics: dict[str, Score] = {}
     for metric in METRICS:
         low, high = interval(pool.get(metric.id))
@@ -189,13 +162,13 @@ def _result(
         metrics[metric.id] = Score(value, low, high, metric.unit, metric.better)
     frames = 0 if mean.log is None else len(mean.log)
     return PolicyResult(
-        spec.name, label, spec.params, "ok", None, oracle, frames, metrics, mean.steps
+        spec.name, spec.label, spec.params, "ok", None, oracle, frames, metrics, mean.steps
     )
 
 
-def _conditions(world: World) -> Conditions:
+def _conditions(world: World) -> ReplayConditions:
     display, options = world.hardware.display, world.options
-    return Conditions(
+    return ReplayConditions(
         display=display.mode,
         refresh_hz=display.refresh_hz,
         frames_in_flight=world.hardware.frames_in_flight,

@@ -2,15 +2,23 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 
+from ...base.html_table import html_table
 from ...base.strict_json import read_json
 from ..metrics.metric import Better
+from ..metrics.metric_registry import METRICS
 from ..metrics.steps import Step
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
 SCHEMA = "lodbench.compare/1"
+
+SHOWN = ("work_ms_p95", "over_budget_fraction", "lag_ms_mean", "toggles_per_frame", "sse_px_p95")
+"""Metrics that stand for stability, lag, flicker and quality in a notebook."""
 
 Status = Literal["ok", "failed", "not-applicable"]
 
@@ -62,9 +70,14 @@ class PolicyResult:
     metrics: dict[str, Score]
     steps: tuple[Step, ...] = ()
 
+    def value_of(self, metric: str) -> float | None:
+        """Return the value of a metric, or None if there is none."""
+        score = self.metrics.get(metric)
+        return None if score is None else score.value
+
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
+class ReplayConditions:
     """Under which conditions the replays ran, beside scene, trace and hardware."""
 
     display: str
@@ -122,7 +135,7 @@ class ParetoFront:
     probability: dict[str, float]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Comparison:
     """A comparison of policies, without any wall-clock time.
 
@@ -145,12 +158,49 @@ class Comparison:
     seed: int
     frames: int
     warmup: int
-    conditions: Conditions
+    conditions: ReplayConditions
     intervals: Intervals
     policies: tuple[PolicyResult, ...]
     pareto: ParetoFront
     beats: dict[str, dict[str, tuple[float | None, ...]]]
     schema: Literal["lodbench.compare/1"] = SCHEMA
+
+    def __repr__(self) -> str:
+        outcomes = ", ".join(f"{policy.label} {policy.status}" for policy in self.policies)
+        return (
+            f"<Comparison in {self.scene} on {self.trace}, {self.hardware}, "
+            f"{self.budget_ms:.4g} ms: {outcomes}>"
+        )
+
+    def to_table(self) -> "pa.Table":
+        """Return one row a policy: its fate, then each metric with the ends of its interval.
+
+        Columns are ``policy``, ``status``, ``reason``, ``oracle``, ``frames``, and of each metric
+        ``ID``, ``ID_low`` and ``ID_high``, null where there is no value.
+        """
+        import pyarrow as pa
+
+        columns: dict[str, pa.Array[Any]] = {
+            "policy": pa.array([policy.label for policy in self.policies], pa.string()),
+            "status": pa.array([policy.status for policy in self.policies], pa.string()),
+            "reason": pa.array([policy.reason for policy in self.policies], pa.string()),
+            "oracle": pa.array([policy.oracle for policy in self.policies], pa.bool_()),
+            "frames": pa.array([policy.frames for policy in self.policies], pa.int64()),
+        }
+        for metric in METRICS:
+            scores = [policy.metrics.get(metric.id) for policy in self.policies]
+            for suffix, part in (("", "value"), ("_low", "low"), ("_high", "high")):
+                values = [None if score is None else getattr(score, part) for score in scores]
+                columns[metric.id + suffix] = pa.array(values, pa.float64())
+        return pa.table(columns)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (policy.label, policy.reason or policy.status, *map(policy.value_of, SHOWN))
+            for policy in self.policies
+        ]
+        caption = f"{self.scene}, {self.trace}, {self.hardware}, {self.budget_ms:.4g} ms"
+        return html_table(caption, ("policy", "status", *SHOWN), rows)
 
     @property
     def ok(self) -> tuple[PolicyResult, ...]:

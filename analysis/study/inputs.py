@@ -1,16 +1,20 @@
-"""Camera traces by name or by file, placed into the scene that they are replayed in."""
+"""What is replayed, by name, by file, or as it is; traces are placed into their scene."""
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal, TypeAlias, get_args
 
 from ...base.errors import InputError
 from ...base.nearest_names import unknown_name
+from ...models.machine.hardware import HardwareProfile
+from ...models.machine.profile_catalog import load_hardware
 from ...models.scene.scene import Scene
+from ...models.scene.scene_catalog import load_scene
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.generate import KINDS
 from ...traces.cameras.generators.tour import EYE_M
-from ...traces.cameras.place import Placement, fit_placement, place
+from ...traces.cameras.place import Placement, fit_placement
+from ...traces.cameras.place import place as place_trace
 from ...traces.cameras.read_trace import read_trace, split_spec
 from .stages import find_stage
 
@@ -27,15 +31,36 @@ since a scale multiplies speeds too; ``fit`` scales it to fill the scene; ``cent
 """
 
 
-def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
+SceneLike: TypeAlias = str | Path | Scene
+TraceLike: TypeAlias = str | Path | CameraTrace
+HardwareLike: TypeAlias = str | Path | HardwareProfile
+
+
+def as_scene(scene: SceneLike) -> Scene:
+    """Return a scene, loaded if it is named; raises InputError as `load_scene` does."""
+    return scene if isinstance(scene, Scene) else load_scene(scene)
+
+
+def as_trace(trace: TraceLike, scene: Scene, place: str = "shrink") -> CameraTrace:
+    """Return a trace, loaded and placed if it is named; raises InputError as `load_trace` does."""
+    return trace if isinstance(trace, CameraTrace) else load_trace(trace, scene, place)
+
+
+def as_hardware(hardware: HardwareLike) -> HardwareProfile:
+    """Return a profile, loaded if it is named; raises InputError as `load_hardware` does."""
+    return hardware if isinstance(hardware, HardwareProfile) else load_hardware(hardware)
+
+
+def load_trace(name_or_path: str | Path, scene: Scene, place: str = "shrink") -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
-    Bundled scenes have ways and speeds of their own, see `stages`.
+    `place` is one of `Placing`.  Bundled scenes have ways and speeds of their own, see `stages`.
 
     Raises `InputError` if the name is unknown, or the file cannot be read or placed.
     """
-    if placing not in get_args(Placing):
-        raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {placing}; name one")
+    if place not in get_args(Placing):
+        raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {place}; name one")
+    spec = str(name_or_path)
     stage = find_stage(scene)
     if spec == BUNDLED_TRACE:
         return stage.tour()
@@ -45,16 +70,16 @@ def load_trace(spec: str, scene: Scene, placing: str = "shrink") -> CameraTrace:
         names = [BUNDLED_TRACE, *KINDS]
         raise InputError(f"trace: {unknown_name(spec, names, instead='a file')}")
     trace = read_trace(spec)
-    if placing == "none":
+    if place == "none":
         return trace
     ground = stage.ground_m
     placement = fit_placement(trace, center_m=ground, extent_m=stage.plan_m, eye_height_m=EYE_M)
-    if placing == "center" or (placing == "shrink" and placement.scale > 1.0):
+    if place == "center" or (place == "shrink" and placement.scale > 1.0):
         low, high = trace.position_m.min(axis=0), trace.position_m.max(axis=0)
         x, y = ground[:2] - 0.5 * (low + high)[:2]
         z = ground[2] + EYE_M - float(low[2])
         placement = Placement(offset_m=(float(x), float(y), z))
-    placed = place(trace, placement)
+    placed = place_trace(trace, placement)
     if placement.scale == 1.0:
         return placed
     return replace(placed, name=f"{trace.name} at scale {placement.scale:.3g}")

@@ -1,6 +1,6 @@
 """Replay one policy under one truth and score the run and its resamples.
 
-What a worker process does: everything it needs arrives in one `World`, and a policy by its text.
+What a worker process does: everything it needs arrives in one `World` and one `Job`.
 """
 
 from collections.abc import Mapping
@@ -9,10 +9,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import PolicyError
+from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.registry import parse_policy
+from ...policies.policy_spec import PolicySpec
+from ...policies.protocol import why_not_applicable
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
@@ -36,6 +37,20 @@ class World:
     options: ReplayOptions
     warmup: int
 
+    def require_scored_frames(self) -> None:
+        """Raise `InputError` if every frame would be warm-up, whatever the policy."""
+        # A trace without duration is replayed for one frame.
+        frames = self.options.frames or (1 if self.trace.duration_s == 0.0 else None)
+        if frames is not None and frames <= self.warmup:
+            raise InputError(
+                f"frames: expected more than the {self.warmup} of warm-up, got {frames}; "
+                "give --frames more or --warmup less"
+            )
+
+    def why_not_applicable(self, policy: PolicySpec) -> str | None:
+        """Return why a policy does not fit the scene, or None if it does."""
+        return why_not_applicable(policy.make().capabilities, self.scene)
+
 
 @dataclass(frozen=True, slots=True)
 class Job:
@@ -43,14 +58,13 @@ class Job:
 
     Attributes
     ----------
-    policy : what the user wrote
     draw : index of the posterior draw, None for the mean
     stream : which blocks are drawn; the same for every policy, so that comparisons are paired
     resamples : number of resamples, 0 for none
     seed : root of noise and blocks, None for the world's
     """
 
-    policy: str
+    policy: PolicySpec
     draw: int | None
     stream: int
     resamples: int
@@ -84,8 +98,8 @@ def score(world: World, job: Job) -> Scored:
     seed = world.options.seed if job.seed is None else job.seed
     options = replace(world.options, draw=job.draw, seed=seed)
     try:
-        policy = parse_policy(job.policy).make()
-        log = replay(policy, world.scene, world.trace, world.hardware, options, name=job.policy)
+        policy, name = job.policy.make(), job.policy.label
+        log = replay(policy, world.scene, world.trace, world.hardware, options, name=name)
     except PolicyError as error:
         return Scored(failure=_with_draw(error, job.draw))
     if len(log) <= world.warmup:

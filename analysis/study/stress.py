@@ -18,7 +18,7 @@ from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.extent import scene_extent
 from ...models.scene.scene import Scene
-from ...policies.registry import PolicySpec
+from ...policies.policy_spec import PolicySpec
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.tour import EYE_M
@@ -70,7 +70,7 @@ class PathLimits:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class WorstPath:
     """The worst path of a search.
 
     Attributes
@@ -144,7 +144,7 @@ def measure_badness(
     PolicyError
         If the policy breaks its contract.
     """
-    log = replay(spec.make(), scene, trace, hardware, options, name=spec.text)
+    log = replay(spec.make(), scene, trace, hardware, options, name=spec.label)
     if len(log) <= warmup:
         return 0.0
     value = find_metric(METRIC_OF[badness]).value(Run(log, warmup)) or 0.0
@@ -162,7 +162,7 @@ def stress(
     evaluations: int = 100,
     warmup: int = 30,
     progress: Callable[[int, int], None] | None = None,
-) -> Found:
+) -> WorstPath:
     """Search for the path on which a policy is worst; the same arguments find the same path.
 
     Raises
@@ -181,7 +181,7 @@ def stress(
         progress,
     )
     search.run(3 + 2 * limits.legs, options.seed)
-    return Found(search.trace_of(search.best), search.value, search.done)
+    return WorstPath(search.trace_of(search.best), search.value, search.done)
 
 
 class _Exhausted(Exception):  # noqa: N818 - ends a local search, which has no other way to stop

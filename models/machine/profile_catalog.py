@@ -16,13 +16,13 @@ def list_hardware() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _FOLDER.glob(f"*{_SUFFIX}")))
 
 
-def load_hardware(spec: str) -> HardwareProfile:
+def load_hardware(name_or_path: str | Path) -> HardwareProfile:
     """Return the bundled profile of that name, or the one in the TOML file of that path.
 
     Raises `InputError` if there is neither, with the nearest bundled name; or if the file is not a
     profile.
     """
-    names = list_hardware()
+    spec, names = str(name_or_path), list_hardware()
     if spec in names:
         return read_profile(_FOLDER / f"{spec}{_SUFFIX}")
     path = Path(spec)

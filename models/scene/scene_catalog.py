@@ -33,9 +33,12 @@ def list_bundled_scenes() -> tuple[str, ...]:
     return tuple(sorted(SCENES))
 
 
-def load_scene(spec: str) -> Scene:
-    """Return the scene that `open_scene` opens; raises InputError as that does."""
-    return open_scene(spec).scene
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Return the bundled scene of that name, or that of a file, as `open_scene` does.
+
+    Raises `InputError` as `open_scene` does.
+    """
+    return open_scene(str(name_or_path)).scene
 
 
 def open_scene(spec: str) -> OpenedScene:

@@ -7,8 +7,8 @@ from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
+from ...policies.policy_spec import PolicySpec
 from ...policies.protocol import why_not_applicable
-from ...policies.registry import PolicySpec
 from ...policies.shared.observer import watch
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
@@ -60,16 +60,16 @@ def take_snapshot(
     policy = spec.make()
     reason = why_not_applicable(policy.capabilities, scene)
     if reason is not None:
-        raise InputError(f"{spec.text}: expected a policy that fits the scene; {reason}")
+        raise InputError(f"{spec.label}: expected a policy that fits the scene; {reason}")
     watched = watch(policy)
-    replay(watched, scene, trace, hardware, replace(options, frames=frame + 1), name=spec.text)
+    replay(watched, scene, trace, hardware, replace(options, frames=frame + 1), name=spec.label)
     view, selection = watched.last
     assert view is not None
     assert selection is not None
     keep = view.state.inside[selection.ids]
     return Snapshot(
         scene,
-        spec.text,
+        spec.label,
         frame,
         view.camera,
         selection.ids[keep],

@@ -40,12 +40,15 @@ def test_a_users_file_needs_no_registration(colors: Registry[int], tmp_path: Pat
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("rad", "color: expected one of red, blue, got rad; did you mean red?"),
-        ("zzz", "or name your own as file.py:NAME"),
+        (
+            "rad",
+            "expected one of red, blue or your own as file.py:NAME, got rad; did you mean red?",
+        ),
+        ("zzz", "or your own as file.py:NAME, got zzz; name one of them"),
         ("absent.py:X", "absent.py: expected a Python file with a color, got no file"),
         ("absent_module:X", "color: absent_module: No module named 'absent_module'; is it"),
         (":X", "color: no module"),
-        ("xml.dom:X", "color: expected a name in xml.dom, got X"),
+        ("xml.dom:X", "color of xml.dom: expected one of Node, "),
         ("xml.dom:Node", "color xml.dom:Node: expected a int, got type"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 from lodbench.analysis.gate.baseline import Baseline, make_baseline
 from lodbench.analysis.gate.check_result import judge_all
 from lodbench.analysis.gate.limits_file import parse_limits
-from lodbench.analysis.gate.measurements import Conditions, Measured
+from lodbench.analysis.gate.measurements import Conditions, MeasuredPolicy
 from lodbench.analysis.gate.plain_text import describe
 from lodbench.analysis.study.comparison import Score
 
@@ -22,15 +22,18 @@ def measured(
     *,
     metric: str = "frame_ms_p99",
     paired: list[float] | None = None,
-) -> Measured:
+) -> MeasuredPolicy:
     """Build what was measured of one metric."""
     score = Score(value, low, high, "ms", "lower")
     pool = {} if paired is None else {metric: np.array(paired)}
-    return Measured("pid", "yard", "walk", None, False, {metric: score}, pool)
+    return MeasuredPolicy("pid", "yard", "walk", None, False, {metric: score}, pool)
 
 
 def outcome(
-    limit: str, now: Measured, before: Measured | None = None, metric: str = "frame_ms_p99"
+    limit: str,
+    now: MeasuredPolicy,
+    before: MeasuredPolicy | None = None,
+    metric: str = "frame_ms_p99",
 ) -> str:
     """Return the verdict on one limit."""
     limits = parse_limits(f"[limits]\n{metric} = {{ {limit} }}")
@@ -123,7 +126,7 @@ def test_strict_fails_what_is_undecided_or_never_applied() -> None:
 def test_a_policy_without_scores() -> None:
     """One that broke its contract fails, one that does not apply is undecided; both say why."""
     limits = parse_limits("[limits]\nframe_ms_p99 = { max = 10.0 }")
-    broken = Measured("mine", "yard", "walk", "frame 3: NaN", failed=True)
+    broken = MeasuredPolicy("mine", "yard", "walk", "frame 3: NaN", failed=True)
     unfit = replace(broken, reason="not applicable: a tree", failed=False)
     verdicts = judge_all(limits, [broken, unfit], CONDITIONS, None).verdicts
     assert [describe(verdict) for verdict in verdicts] == [

@@ -9,7 +9,7 @@ import pytest
 from lodbench.analysis.gate.baseline import make_baseline, read_baseline, write_baseline
 from lodbench.analysis.gate.check_result import encode_report, judge_all
 from lodbench.analysis.gate.limits_file import parse_limits
-from lodbench.analysis.gate.measurements import Measured, Sampling, measure, measure_run
+from lodbench.analysis.gate.measurements import MeasuredPolicy, MeasureOptions, measure, measure_run
 from lodbench.analysis.metrics.measured_frames import Run
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.compare import CompareOptions, compare
@@ -28,7 +28,7 @@ frame_ms_p99 = { max = 12.0, max_increase = "2.5%" }
 overshoot_ratio = { max_increase = "5%", floor = 0.05 }
 """
 )
-SAMPLING = Sampling(seeds=3, resamples=50)
+SAMPLING = MeasureOptions(seeds=3, resamples=50)
 POLICIES = [parse_policy("full"), parse_policy("feedback")]
 
 
@@ -168,7 +168,7 @@ def test_every_metric_has_a_worst_frame_or_none(world: World) -> None:
             assert worst.value == verdict_max(measured, verdict.policy)
 
 
-def verdict_max(measured: list[Measured], policy: str) -> float:
+def verdict_max(measured: list[MeasuredPolicy], policy: str) -> float:
     """Return the largest work time of a policy in all its replays."""
     logs = next(item.logs for item in measured if item.policy == policy)
     return max(float(Run(log, 30).work_ms.max()) for log in logs)

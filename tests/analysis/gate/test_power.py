@@ -8,7 +8,7 @@ import pytest
 from lodbench.analysis.gate.baseline import make_baseline
 from lodbench.analysis.gate.check_result import judge_all
 from lodbench.analysis.gate.limits_file import DEFAULT_LIMITS, parse_limits
-from lodbench.analysis.gate.measurements import Conditions, Measured, Sampling
+from lodbench.analysis.gate.measurements import Conditions, MeasuredPolicy, MeasureOptions
 from lodbench.analysis.gate.measurements import measure as measure_policies
 from lodbench.analysis.study.score import World
 from lodbench.models.machine.cost import CostModel, CpuCostModel
@@ -45,10 +45,12 @@ def study_trace() -> CameraTrace:
 
 def measure(
     scene: Scene, trace: CameraTrace, seed: int, slower: float
-) -> tuple[Conditions, list[Measured]]:
+) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Measure one study with the default settings."""
     options = ReplayOptions(budget_ms=16.7, seed=seed, frames=FRAMES)
-    return measure_policies(FULL, World(scene, trace, machine(slower), options, 30), Sampling())
+    return measure_policies(
+        FULL, World(scene, trace, machine(slower), options, 30), MeasureOptions()
+    )
 
 
 @pytest.mark.slow
@@ -59,8 +61,8 @@ def test_false_alarms_and_regressions_found(small_scene: Scene, study_trace: Cam
     the baseline's, where the noise is not shared.
     """
     same, other, found = list[bool](), list[bool](), list[bool]()
-    step = Sampling().seeds
-    before: tuple[Conditions, list[Measured]] | None = None
+    step = MeasureOptions().seeds
+    before: tuple[Conditions, list[MeasuredPolicy]] | None = None
     for study in range(STUDIES):
         conditions, now = measure(small_scene, study_trace, study * step, 1.0)
         baseline = make_baseline(conditions, now, LIMITS)

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from lodbench.analysis.gate.check_result import Report
+from lodbench.analysis.gate.check_result import CheckReport
 from lodbench.analysis.gate.github import annotations
 from lodbench.analysis.gate.judgement import Verdict
 from lodbench.analysis.gate.junit import write_junit
@@ -43,7 +43,7 @@ def test_a_line_says_what_how_much_the_limit_and_where() -> None:
     assert describe(GOOD) == (
         "passes: pid in yard on walk: lag_ms_mean 30.0 ms [29.0, 31.0], limit max 40"
     )
-    report = Report(False, False, CONDITIONS, VERDICTS, ("policy x, scene *, trace *",))
+    report = CheckReport(False, False, CONDITIONS, VERDICTS, ("policy x, scene *, trace *",))
     assert list(lines(report))[-1] == "failed: 1 passed, 1 failed, 1 undecided"
     assert describe_failures(report) == describe(FAILS)
 
@@ -52,7 +52,7 @@ def test_a_line_says_what_how_much_the_limit_and_where() -> None:
 def test_junit_counts(strict: bool, failures: int, skipped: int, tmp_path: Path) -> None:
     """Each limit is a test case; an undecided one is skipped, or a failure if strict."""
     path = tmp_path / "reports" / "junit.xml"
-    write_junit(path, Report(False, strict, CONDITIONS, VERDICTS))
+    write_junit(path, CheckReport(False, strict, CONDITIONS, VERDICTS))
     root = ET.parse(path).getroot()
     suites = root.findall("testsuite")
     assert [suite.get("name") for suite in suites] == ["yard.walk.mine:a=1,b=2", "yard.walk.pid"]
@@ -71,12 +71,12 @@ def test_junit_counts(strict: bool, failures: int, skipped: int, tmp_path: Path)
 
 def test_annotations_are_escaped() -> None:
     """Colons, commas and line ends in a name or message do not end it."""
-    report = Report(False, False, CONDITIONS, VERDICTS)
+    report = CheckReport(False, False, CONDITIONS, VERDICTS)
     error, warning = annotations(report, Path("ci/limits.toml"))
     assert error.startswith(
         "::error title=frame_ms_p99 of mine%3Aa=1%2Cb=2,file=ci/limits.toml,line=3::FAILS: mine:a"
     )
     assert warning.startswith("::warning title=settle_ms of pid,file=ci/limits.toml,line=4::")
     assert warning.endswith("limit max 100: one%0A<50 %25")
-    strict = annotations(Report(False, True, CONDITIONS, VERDICTS), None)
+    strict = annotations(CheckReport(False, True, CONDITIONS, VERDICTS), None)
     assert [text.partition(" ")[0] for text in strict] == ["::error", "::error"]

@@ -1,5 +1,7 @@
 """Comparisons of a small world: scores, failures, intervals, pairing, and the same bytes."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import msgspec
@@ -12,13 +14,26 @@ from lodbench.analysis.study.comparison import Comparison, encode_comparison, re
 from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
-from lodbench.policies.registry import parse_policy
+from lodbench.policies.bounds.full import Full
+from lodbench.policies.controllers.feedback import Feedback
+from lodbench.policies.registry import parse_policy, specs_of
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 REPLAY = ReplayOptions(budget_ms=8.0, seed=3)
 ONE = CompareOptions(workers=1, resamples=60, draws=0)
+
+MINE = """
+import numpy as np
+from lodbench.policies import Capabilities, Selection
+
+class Mine:
+    capabilities = Capabilities()
+    def reset(self, scene, budget_ms): pass
+    def select(self, view): return Selection(view.ids, np.full(len(view), {}.0))
+"""
+UNGUARDED = "import lodbench; lodbench.compare(['full', 'feedback'], frames=35, workers=2)\n"
 
 
 class World:
@@ -251,6 +266,54 @@ def test_same_bytes_on_any_worker_count(
         other = results[1][1][label]
         assert log.counts.tobytes() == other.counts.tobytes()
         assert log.times_ns.tobytes() == other.times_ns.tobytes()
+
+
+def test_objects_and_users_classes_reach_workers(world: World, tmp_path: Path) -> None:
+    """What is compared need have no name: in two processes it does what it does in one."""
+    for folder, level in (("a", "0"), ("b", "1")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.py").write_text(MINE.format(level), encoding="utf-8")
+    names = [f"{tmp_path / folder / 'mine.py'}:Mine" for folder in "ab"]
+    classes = [parse_policy(name).cls for name in names]
+    policies = specs_of({"a": classes[0], "b": classes[1](), "feedback": Feedback(gain=0.5)})
+    results = [
+        compare(
+            policies,
+            world.scene,
+            world.trace,
+            world.machine,
+            REPLAY,
+            CompareOptions(workers=workers, resamples=5, draws=0),
+        )[0]
+        for workers in (1, 2)
+    ]
+    assert results[0] == results[1]
+    fine, coarse, _ = (policy.metrics["work_ms_mean"].value for policy in results[0].policies)
+    assert fine is not None
+    assert coarse is not None
+    assert fine > coarse
+
+
+def test_a_class_that_no_other_process_can_load_is_named(world: World) -> None:
+    """A class of a function runs in this process, and is refused by more with what to do."""
+
+    class Local(Full):
+        pass
+
+    policies = specs_of([Local, "full"])
+    arguments = (policies, world.scene, world.trace, world.machine, REPLAY)
+    with pytest.raises(InputError, match=r"policy Local: .* file, or give workers=1"):
+        compare(*arguments, CompareOptions(workers=2, resamples=5, draws=0))
+    assert [policy.status for policy in compare(*arguments, ONE)[0].policies] == ["ok", "ok"]
+
+
+def test_a_script_without_a_guard_gets_one_line(tmp_path: Path) -> None:
+    """Workers that run the script again end at once: that is said, and nothing hangs."""
+    script = tmp_path / "unguarded.py"
+    script.write_text(UNGUARDED, encoding="utf-8")
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300)
+    assert "InputError: workers: expected processes that finish" in run.stderr
+    assert '`if __name__ == "__main__":`' in run.stderr
 
 
 def test_seed_changes_the_noise(world: World) -> None:

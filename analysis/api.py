@@ -1,0 +1,232 @@
+"""Replay, compare and check from Python: what the commands do, with objects in place of names.
+
+A policy is a name as on a command line, a class or an object.  A scene, a trace and a hardware
+profile are bundled names, files, or what was loaded or made of arrays.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from ..base.errors import InputError
+from ..policies.registry import PolicyLike, PolicyLikes, default_policies, spec_of, specs_of
+from ..policies.registry import register_policy as _register_policy
+from ..sim.faults import Faults
+from ..sim.frame_log import FrameLog
+from ..sim.replay import ReplayOptions
+from ..sim.replay import replay as _replay
+from .study.inputs import (
+    HardwareLike,
+    SceneLike,
+    TraceLike,
+    as_hardware,
+    as_scene,
+    as_trace,
+)
+
+if TYPE_CHECKING:  # loaded by the function that needs them
+    from .gate.check_result import CheckReport
+    from .study.comparison import Comparison
+
+
+def replay(
+    policy: PolicyLike,
+    scene: SceneLike,
+    trace: TraceLike,
+    hardware: HardwareLike,
+    *,
+    budget_ms: float,
+    seed: int = 0,
+    frames: int | None = None,
+    fovy_deg: float = 60.0,
+    crossfade_ms: float = 0.0,
+    measurement_delay: int = 0,
+    faults: Faults | None = None,
+    bound_every: int = 0,
+    draw: int | None = None,
+    memory_bytes: float | None = None,
+) -> FrameLog:
+    """Replay a trace through a scene under one policy; return what happened, one row a frame.
+
+    Keywords are those of `ReplayOptions`.  The same arguments give the same bytes.
+
+    Raises `InputError` if something named cannot be loaded, and `PolicyError` if the policy raises
+    or a selection breaks its contract.
+    """
+    spec, world = spec_of(policy), as_scene(scene)
+    options = ReplayOptions(
+        budget_ms=budget_ms,
+        seed=seed,
+        frames=frames,
+        fovy_deg=fovy_deg,
+        crossfade_ms=crossfade_ms,
+        measurement_delay=measurement_delay,
+        faults=faults or Faults(),
+        bound_every=bound_every,
+        draw=draw,
+        memory_bytes=memory_bytes,
+    )
+    path, machine = as_trace(trace, world), as_hardware(hardware)
+    return _replay(spec.make(), world, path, machine, options, name=spec.label)
+
+
+def compare(
+    policies: PolicyLikes | None = None,
+    *,
+    scene: SceneLike = "plaza",
+    traces: TraceLike | Sequence[TraceLike] = "tour",
+    hardware: HardwareLike = "desktop-assumed",
+    budget_ms: float | None = None,
+    seed: int = 0,
+    frames: int | None = None,
+    fovy_deg: float = 60.0,
+    crossfade_ms: float = 0.0,
+    measurement_delay: int = 0,
+    faults: Faults | None = None,
+    memory_bytes: float | None = None,
+    place: str = "shrink",
+    warmup: int = 30,
+    resamples: int = 200,
+    draws: int = 16,
+    workers: int = 1,
+    out: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> "Comparison":
+    """Replay policies in one world and score them on the same footing, as `lodbench compare` does.
+
+    A policy that breaks its contract is reported as failed, and the others are finished.
+
+    Parameters
+    ----------
+    policies
+        One, several, or a mapping of labels to policies; None for every registered one.
+    traces
+        One trace, for now: more are refused.
+    budget_ms
+        None for one refresh of the display.
+    workers
+        Processes; 1 replays in this one, 0 takes as many as there are processors.  Classes typed
+        into a notebook are known in this process alone, and a script that starts others keeps its
+        calls under ``if __name__ == "__main__"``.
+    out
+        Folder for report.html, comparison.json and the frames of every policy.
+    progress
+        Called with the replays done and the replays in all.
+
+    Raises `InputError` if something cannot be loaded, or a label or parameter is refused.
+    """
+    from .study.compare import CompareOptions
+    from .study.compare import compare as compare_specs
+    from .study.comparison_folder import check_target, write_results
+
+    if out is not None:
+        check_target(Path(out))
+    world, machine = as_scene(scene), as_hardware(hardware)
+    options = ReplayOptions(
+        budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,
+        seed=seed,
+        frames=frames,
+        fovy_deg=fovy_deg,
+        crossfade_ms=crossfade_ms,
+        measurement_delay=measurement_delay,
+        faults=faults or Faults(),
+        memory_bytes=memory_bytes,
+    )
+    comparison, logs = compare_specs(
+        specs_of(default_policies() if policies is None else policies),
+        world,
+        as_trace(_only(traces), world, place),
+        machine,
+        options,
+        CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers),
+        progress=progress,
+    )
+    if out is not None:
+        write_results(Path(out), comparison, logs)
+    return comparison
+
+
+def check(
+    policies: PolicyLikes,
+    *,
+    limits: str | Path | None = None,
+    baseline: str | Path = "baseline.json",
+    scenes: SceneLike | Sequence[SceneLike] = "plaza",
+    traces: TraceLike | Sequence[TraceLike] = "tour",
+    hardware: HardwareLike = "desktop-assumed",
+    budget_ms: float | None = None,
+    seed: int = 0,
+    seeds: int = 4,
+    frames: int | None = None,
+    warmup: int = 30,
+    draws: int = 16,
+    resamples: int = 200,
+    place: str = "shrink",
+    workers: int = 1,
+    strict: bool = False,
+) -> "CheckReport":
+    """Judge policies by limits on their metrics, as `lodbench check` does.
+
+    Parameters
+    ----------
+    limits
+        TOML file; None for the 95th percentile of the work time within the budget and, if there is
+        a baseline, the 99th of the frame time at most 2.5 % up.
+    budget_ms, workers
+        As `compare` has them.
+    strict
+        What is undecided fails.
+
+    Raises `InputError` if something cannot be loaded, or the baseline is of other conditions.
+    """
+    from .gate.check import CheckPlan, judge_measured, measure_plan
+    from .gate.limits_file import choose_limits
+    from .gate.measurements import MeasureOptions
+
+    chosen = choose_limits(None if limits is None else Path(limits), Path(baseline))
+    plan = CheckPlan(
+        policies=policies,
+        scenes=_several(scenes),
+        traces=_several(traces),
+        hardware=hardware,
+        budget_ms=budget_ms,
+        seed=seed,
+        frames=frames,
+        warmup=warmup,
+        place=place,
+    )
+    options = MeasureOptions(seeds=seeds, resamples=resamples, draws=draws, workers=workers)
+    conditions, measured = measure_plan(plan, options)
+    return judge_measured(chosen, measured, conditions, Path(baseline), strict=strict)
+
+
+def register(name: str, thing: Any) -> None:
+    """Give a policy class, a `TraceFormat` or a `LogFormat` a name of its own in this process.
+
+    From then on it goes by that name wherever one of ours does.
+
+    Raises `InputError` if the name is one of ours, or the thing is none of these.
+    """
+    from ..traces.cameras import read_trace
+    from ..traces.cameras.trace_format import TraceFormat
+    from ..traces.logs import read_log as logs
+    from ..traces.logs.log_format import LogFormat
+
+    if isinstance(thing, TraceFormat):
+        read_trace.register_format(name, thing)
+    elif isinstance(thing, LogFormat):
+        logs.register_format(name, thing)
+    else:
+        _register_policy(name, thing)
+
+
+def _only(traces: TraceLike | Sequence[TraceLike]) -> TraceLike:
+    given: tuple[TraceLike, ...] = _several(traces)
+    if len(given) != 1:
+        raise InputError(f"traces: expected one, got {len(given)}; compare on each by itself")
+    return given[0]
+
+
+def _several(items: Any) -> tuple[Any, ...]:
+    """Return one thing or a sequence of them as a tuple."""
+    return tuple(cast("Sequence[Any]", items)) if isinstance(items, (list, tuple)) else (items,)

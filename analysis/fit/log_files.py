@@ -1,0 +1,80 @@
+"""Read and fit from Python: logs are bundled names, files, or what was read from them."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+from ...traces.logs.read_log import read_render_log
+from ...traces.logs.render_log import RenderLog, TimeName
+from .bundled_logs import bundled_log
+from .estimate import Model
+from .fit import Fit, FitOptions, Source, fit_logs, target_of
+from .sampling.sampler import SamplerOptions
+
+LogLike: TypeAlias = str | Path | RenderLog
+
+
+def log_path(name_or_path: str | Path) -> Path:
+    """Return the file of a log: that of a bundled one by its name, or the path itself."""
+    return bundled_log(str(name_or_path)) or Path(name_or_path)
+
+
+def read_log(
+    name_or_path: str | Path,
+    mapping: Mapping[str, str] | None = None,
+    log_format: str | None = None,
+) -> RenderLog:
+    """Read a measured render log: a bundled one by its name, or a file.
+
+    Parameters
+    ----------
+    mapping
+        Columns by the names of `RenderLog`: ``{"gpu_ms": "GPUTime", "triangles": "Prims"}``.
+    log_format
+        A name that ``lodbench list formats`` shows, or ``file.py:NAME``; None recognises it.
+
+    Raises `InputError` if the format is not known, the file breaks it, or it has no column to map.
+    """
+    return read_render_log(log_path(name_or_path), mapping, log_format)
+
+
+def fit(
+    logs: LogLike | Sequence[LogLike],
+    *,
+    target: TimeName | None = None,
+    terms: str = "auto",
+    model: Model = "student-t",
+    heldout: str = "auto",
+    predict: Sequence[LogLike] = (),
+    first_frames: int | None = None,
+    walkers: int = 32,
+    max_steps: int = 20_000,
+    seed: int = 0,
+    resume: str | Path | None = None,
+) -> Fit:
+    """Fit a cost model to render logs together, as `lodbench fit` does.
+
+    Parameters
+    ----------
+    target
+        The time to explain; None for the GPU's, or the frame's if that is unfit.
+    terms
+        Predictors such as ``draw_calls,triangles``, or ``auto`` for the best set.
+    predict
+        Other logs, to be predicted from the fit.
+    resume
+        File that keeps the chain, so that an interrupted run goes on.
+
+    Raises `InputError` if a log cannot be read or cannot support the fit.
+    """
+    given = logs if isinstance(logs, Sequence) and not isinstance(logs, str) else [logs]
+    sources = [
+        Source(log) if isinstance(log, RenderLog) else Source.read(log_path(log)) for log in given
+    ]
+    return fit_logs(
+        sources,
+        target or target_of(sources[0].log),
+        FitOptions(terms, model, heldout, first_frames, SamplerOptions(walkers, max_steps, seed)),
+        transfer=[log if isinstance(log, RenderLog) else read_log(log) for log in predict],
+        resume=None if resume is None else Path(resume),
+    )
