@@ -1,6 +1,6 @@
 """``oracle``: the best selection there is for each frame, knowing what it will cost."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..solvers.knapsack import affordable, hull_increments, take_increments
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Oracle:
     """Idea: the optimum of the multiple-choice knapsack for the frame about to be drawn.
 
@@ -38,10 +38,6 @@ class Oracle:
     """
 
     exact_up_to: int = 40  # ours: HiGHS takes about 10 ms there, and seconds at 3,000 objects
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _scene: Scene = field(init=False, repr=False, compare=False)
-    _truth: Truth | None = field(init=False, repr=False, compare=False, default=None)
-    _choices: LevelChoices | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, future=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)

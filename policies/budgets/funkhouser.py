@@ -1,6 +1,6 @@
 """``funkhouser``: most benefit within a predicted cost, one level an object."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -10,14 +10,14 @@ from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import Choices, Offer, make_choices, require_costs
+from ..shared.choices import Offer, make_choices, require_costs
 from ..shared.v_time import VTime
 from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
 from ..solvers.value_greedy import greedy_by_value, improve_incrementally
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Funkhouser:
     """Idea: maximise Σ benefit subject to Σ cost ≤ budget, a multiple-choice knapsack a frame.
 
@@ -57,12 +57,6 @@ class Funkhouser:
     hysteresis: float = 1e-4  # ours: of the order of accuracy steps between neighbouring levels
     max_steps: int = 64  # ours: exchanges of the incremental form a frame
     adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _v_time: VTime = field(init=False, repr=False, compare=False)
-    _choices: Choices = field(init=False, repr=False, compare=False)
-    _column: IntArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.empty(0, dtype=np.int32)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 

@@ -1,6 +1,6 @@
 """``gobbetti``: resolutions that minimise degradation within the predicted time."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -37,7 +37,7 @@ def eccentricity_weight(angle_deg: FloatArray) -> FloatArray:
     return np.minimum(7.49 / np.square(0.3 * angle_deg + 1.0), 1.0)
 
 
-@dataclass(slots=True)
+@dataclass
 class Gobbetti:
     """Idea: minimise ``Σ s · w · r^-m`` over resolutions r while the predicted time keeps a budget.
 
@@ -71,15 +71,6 @@ class Gobbetti:
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
     max_iterations: int = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's time limit is lost
     adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _v_time: VTime = field(init=False, repr=False, compare=False)
-    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
-    _primitives: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
-    )
-    _last: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -101,7 +92,7 @@ class Gobbetti:
                 "gobbetti: expected m 1 or 2 and max_iterations >= 1, got "
                 f"{self.m} and {self.max_iterations}"
             )
-        self._costs = ResolutionCosts(scene, "gobbetti")
+        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti")
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt, "gobbetti")
         levels = scene.types.levels

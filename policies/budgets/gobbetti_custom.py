@@ -34,7 +34,7 @@ _KEPT_BACK = 1e-5  # share of the budget that making up for it may take
 _log = logging.getLogger(__name__)
 
 
-@dataclass(slots=True)
+@dataclass
 class GobbettiCustom:
     """Idea: `gobbetti` with formulas of your own, which is where a new heuristic is tried.
 
@@ -65,16 +65,6 @@ class GobbettiCustom:
     cost: str | None = None  # None: the scene's cost model
     max_iterations: int = 200  # ours: ten times what smooth formulas take
     failures: int = field(init=False, repr=False, compare=False, default=0)
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
-    _primitives: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
-    )
-    _program: ConvexProgram | None = field(init=False, repr=False, compare=False, default=None)
-    _last: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros((2, 0))
-    )
-    _budget_multiplier: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -89,11 +79,11 @@ class GobbettiCustom:
             raise InputError(
                 f"gobbetti-custom: expected max_iterations >= 1, got {self.max_iterations}"
             )
-        self._costs = ResolutionCosts(scene, "gobbetti-custom")
+        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti-custom")
         self._budget_ms = budget_ms
         levels = scene.types.levels
         self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
-        self._program = self._build(_FEWEST_PLACES)
+        self._program: ConvexProgram | None = self._build(_FEWEST_PLACES)
         self._last = np.zeros((2, len(scene)))
         self._budget_multiplier = 0.0
         self.failures = 0

@@ -1,12 +1,12 @@
 """``lodmanager``: levels of continuous models that objects of one type lend each other."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
@@ -21,7 +21,7 @@ from ..view import View
 _NONE = np.empty(0, dtype=np.int32)
 
 
-@dataclass(slots=True)
+@dataclass
 class LodManager:
     """Idea: extract as few levels as possible: objects that want similar levels share one.
 
@@ -70,21 +70,6 @@ class LodManager:
     dead_band: float = 0.05  # as feedback
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
-    _range_m: tuple[float, float] = field(init=False, repr=False, compare=False, default=(0.0, 1.0))
-    _target_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _exponent: float = field(init=False, repr=False, compare=False, default=1.0)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _slots: IntArray = field(init=False, repr=False, compare=False, default_factory=lambda: _NONE)
-    _first_slot: IntArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: _NONE
-    )
-    _shares: BoolArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
-    )
-    _levels: SharedLevels = field(
-        init=False, repr=False, compare=False, default_factory=lambda: SharedLevels(0, 0)
-    )
-    _all: IntArray = field(init=False, repr=False, compare=False, default_factory=lambda: _NONE)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -106,7 +91,7 @@ class LodManager:
                 "lodmanager: expected 1 <= gain <= limit, target in (0, 1] and dead_band >= 0, got "
                 f"{self.gain:g}, {self.limit:g}, {self.target:g} and {self.dead_band:g}"
             )
-        self._range_m = near_m, far_m
+        self._range_m: tuple[float, float] = near_m, far_m
         self._target_ms = self.target * budget_ms
         self._exponent = 1.0
         self._reports = Reports()

@@ -1,6 +1,6 @@
 """``peng``: a crowd's triangles shared by projected area."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..view import View
 from .wimmer import clamped_shares
 
 
-@dataclass(slots=True)
+@dataclass
 class Peng:
     """Idea: character i gets ``N · A_i^(1/α) / Σ A^(1/α)`` of N primitives; A is projected area.
 
@@ -41,11 +41,6 @@ class Peng:
     alpha: float = 3.0  # the paper's, chosen to act as Funkhouser and Séquin's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
     threshold_px: float = 0.0  # off
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
-    _primitives: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
@@ -57,7 +52,7 @@ class Peng:
                 "peng: expected alpha in [0.1, 10] and threshold_px >= 0, got "
                 f"{self.alpha:g} and {self.threshold_px:g}"
             )
-        self._costs = ResolutionCosts(scene, "peng")
+        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "peng")
         self._budget_ms = budget_ms
         levels = scene.types.levels
         self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)

@@ -1,7 +1,7 @@
 """``wimmer``: the closed form of the allocation, without bounds."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -49,7 +49,7 @@ def clamped_shares(
     return problem.resolution(bounded.x), work
 
 
-@dataclass(slots=True)
+@dataclass
 class Wimmer:
     """Idea: share the predicted time by the one multiplier of the budget, in closed form.
 
@@ -72,11 +72,6 @@ class Wimmer:
     """
 
     m: int = 1  # as in the benefit that the simulator scores
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _costs: ResolutionCosts | None = field(init=False, repr=False, compare=False, default=None)
-    _primitives: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.ones(0)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
@@ -85,7 +80,7 @@ class Wimmer:
         """Check parameters and turn the cost model into lines over resolution."""
         if self.m not in {1, 2}:
             raise InputError(f"wimmer: expected m 1 or 2, got {self.m}")
-        self._costs = ResolutionCosts(scene, "wimmer")
+        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "wimmer")
         self._budget_ms = budget_ms
         levels = scene.types.levels
         self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)

@@ -1,6 +1,6 @@
 """``zach``: discrete increments and smooth resolutions within one predicted budget."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -31,7 +31,7 @@ class _Halves:
     groups: Groups
 
 
-@dataclass(slots=True)
+@dataclass
 class Zach:
     """Idea: raise discrete and smooth representations in turn, whichever gains more per cost.
 
@@ -70,8 +70,6 @@ class Zach:
     cull_px: float = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
     max_steps: int = 256  # ours; some ten, but with "gradient" one for each variable that fills up
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _halves: _Halves | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
@@ -90,7 +88,7 @@ class Zach:
         free = tree.first_in(solid, np.arange(len(scene))) < 0
         smooth = scene.continuous & tree.leaf & free
         patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
-        self._halves = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
+        self._halves: _Halves | None = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""

@@ -1,7 +1,7 @@
 """``feedback``: screen thresholds steered by the times of completed frames."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..thresholds.static_screen import StaticScreen
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Feedback:
     """Idea: multiply projected heights by a bias, ``bias · (target / time)^gain`` once a frame.
 
@@ -46,12 +46,6 @@ class Feedback:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.01  # as static-screen
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _bias: float = field(init=False, repr=False, compare=False, default=1.0)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _levels: StaticScreen = field(
-        init=False, repr=False, compare=False, default_factory=StaticScreen
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -1,7 +1,7 @@
 """``hoppe``: a screen-space tolerance steered towards a number of triangles, or a time."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 from ...base.errors import InputError
@@ -23,7 +23,7 @@ def critical_gain(delay: int) -> float:
     return 2.0 * math.cos(delay * math.pi / (2 * delay + 1))
 
 
-@dataclass(slots=True)
+@dataclass
 class Hoppe:
     """Idea: ``tau <- tau · (n / m)^gain`` each frame; levels as `pixel-error` with threshold tau.
 
@@ -49,11 +49,6 @@ class Hoppe:
     min_px: float = 0.1  # ours
     max_px: float = 64.0  # ours
     target: float = 0.9  # as feedback
-    _target_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _tolerance_px: float = field(init=False, repr=False, compare=False, default=1.0)
-    _drawn: float = field(init=False, repr=False, compare=False, default=math.nan)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -74,7 +69,7 @@ class Hoppe:
         self._tolerance_px = self.start_px
         self._drawn = math.nan
         self._reports = Reports()
-        self._ladder = ErrorLadder(scene)
+        self._ladder: ErrorLadder | None = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return a level for every candidate."""

@@ -1,7 +1,7 @@
 """``pid``: an angle of detail steered by a controller with hifi's gains."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 from ...base.errors import InputError
@@ -13,7 +13,7 @@ from ..thresholds.static_screen import StaticScreen
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Pid:
     """Idea: add the output of a PID controller on the frame rate to an angle of detail, in degrees.
 
@@ -48,17 +48,6 @@ class Pid:
     start_deg: float = 10.0  # ours
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # hifi has none
-    _target_hz: float = field(init=False, repr=False, compare=False, default=60.0)
-    _angle_deg: float = field(init=False, repr=False, compare=False, default=10.0)
-    _now_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
-    _smooth_ms: float = field(init=False, repr=False, compare=False, default=math.nan)
-    _error: float = field(init=False, repr=False, compare=False, default=0.0)
-    _integral: float = field(init=False, repr=False, compare=False, default=0.0)
-    _last_ns: int = field(init=False, repr=False, compare=False, default=0)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _static: StaticScreen = field(
-        init=False, repr=False, compare=False, default_factory=StaticScreen
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -1,13 +1,13 @@
 """``predictive``: another policy, shown the pose that is expected when the frame is displayed."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ...base.errors import InputError
 from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
-from ..protocol import Capabilities, Claims, Policy, claims_of
+from ..protocol import Capabilities, Claims, claims_of
 from ..registry import parse_policy
 from ..selection import Selection
 from ..view import View
@@ -76,9 +76,6 @@ class Predictive:
     horizon_ms: float | None = None  # None: from the frames under way
     max_speed_m_s: float = 50.0  # ours: faster is a cut
     max_turn_deg_s: float = 720.0  # ours: faster is a cut
-    _inner: Policy = field(init=False, repr=False, compare=False)
-    _step_s: float = field(init=False, repr=False, compare=False, default=math.nan)
-    _before: Camera | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
@@ -106,7 +103,7 @@ class Predictive:
             )
         self._inner.reset(scene, budget_ms)
         self._step_s = math.nan
-        self._before = None
+        self._before: Camera | None = None
 
     def select(self, view: View) -> Selection:
         """Return what the policy selects on the predicted pose."""

@@ -1,7 +1,7 @@
 """``unity-adaptive``: a ladder of level biases, down by the trend of times, up by trial."""
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -28,7 +28,7 @@ def judge_trend(excess: FloatArray) -> Action:
     return "decrease" if trend >= 0.15 else "stale"
 
 
-@dataclass(slots=True)
+@dataclass
 class UnityAdaptive:
     """Idea: multiply projected heights by a step of a ladder of biases: 1, 0.8, 0.6, 0.4.
 
@@ -56,16 +56,6 @@ class UnityAdaptive:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # Unity's level-of-detail groups have none
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _level: int = field(init=False, repr=False, compare=False, default=0)
-    _ready_ns: float = field(init=False, repr=False, compare=False, default=0.0)
-    _excess: deque[float] = field(
-        init=False, repr=False, compare=False, default_factory=deque[float]
-    )
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _static: StaticScreen = field(
-        init=False, repr=False, compare=False, default_factory=StaticScreen
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -86,7 +76,7 @@ class UnityAdaptive:
         self._budget_ms = budget_ms
         self._level = 0
         self._ready_ns = self.retry_s * _NS_PER_S
-        self._excess = deque(maxlen=self.samples)
+        self._excess: deque[float] = deque(maxlen=self.samples)
         self._reports = Reports()
 
     def select(self, view: View) -> Selection:

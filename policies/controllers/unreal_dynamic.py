@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from ...base.errors import InputError
@@ -21,7 +21,7 @@ def suggest_fraction(target_ms: float, time_ms: float, fraction: float) -> float
     return math.sqrt(target_ms / time_ms) * fraction
 
 
-@dataclass(slots=True)
+@dataclass
 class UnrealDynamic:
     """Idea: scale detail by a fraction as past frames suggest, ``sqrt(target / time) · fraction``.
 
@@ -56,18 +56,6 @@ class UnrealDynamic:
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # as Unity's; the controller has its own threshold
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _fraction: float = field(init=False, repr=False, compare=False, default=1.0)
-    _changed: int = field(init=False, repr=False, compare=False, default=0)
-    _over: int = field(init=False, repr=False, compare=False, default=0)
-    _past: deque[float] = field(init=False, repr=False, compare=False, default_factory=deque[float])
-    _drawn_at: list[float] = field(
-        init=False, repr=False, compare=False, default_factory=list[float]
-    )
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _static: StaticScreen = field(
-        init=False, repr=False, compare=False, default_factory=StaticScreen
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -97,8 +85,8 @@ class UnrealDynamic:
         self._budget_ms = budget_ms
         self._fraction = self.max_fraction
         self._changed, self._over = 0, 0
-        self._past = deque(maxlen=self.history)
-        self._drawn_at = [self.max_fraction] * _IN_FLIGHT
+        self._past: deque[float] = deque(maxlen=self.history)
+        self._drawn_at: list[float] = [self.max_fraction] * _IN_FLIGHT
         self._reports = Reports()
 
     def select(self, view: View) -> Selection:

@@ -1,6 +1,6 @@
 """``cluster-cut``: draw where the own error is within a tolerance and the parent's is not."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..shared.reports import Reports
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class ClusterCut:
     """Idea: every node decides for itself, and a tolerance for all is steered by measured time.
 
@@ -44,10 +44,6 @@ class ClusterCut:
     gain: float = 0.5  # Unreal's square root
     dead_band: float = 0.05  # ours
     rate_limit: float = 1.1  # ours: at most 10 % a frame
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _chooser: Hierarchy | ErrorLadder = field(init=False, repr=False, compare=False)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _steered_px: float = field(init=False, repr=False, compare=False, default=1.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 

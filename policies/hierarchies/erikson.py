@@ -1,6 +1,6 @@
 """``erikson``: largest projected error first, within polygons that past frames could afford."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..shared.reports import Reports
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Erikson:
     """Idea: refine the node whose error looks largest until the polygons of the frame are used up.
 
@@ -36,11 +36,6 @@ class Erikson:
     """
 
     target: float = 0.9  # share of the budget to aim at; Unreal's headroom
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
-    _reports: Reports = field(init=False, repr=False, compare=False, default_factory=Reports)
-    _drawn: list[float] = field(init=False, repr=False, compare=False, default_factory=list[float])
-    _polygons: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 
@@ -51,7 +46,7 @@ class Erikson:
         self._hierarchy = Hierarchy(scene)
         self._budget_ms = budget_ms
         self._reports = Reports()
-        self._drawn = []
+        self._drawn: list[float] = []
         self._polygons = 0.0
 
     def select(self, view: View) -> Selection:

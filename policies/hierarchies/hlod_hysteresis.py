@@ -1,6 +1,6 @@
 """``hlod-hysteresis``: time slices down the tree, and counters that switch by urgency."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -19,7 +19,7 @@ from ..view import View
 _TEXTURED = LEVEL_PREDICTORS.index("textured_triangles")
 
 
-@dataclass(slots=True)
+@dataclass
 class HlodHysteresis:
     """Idea: siblings share their parent's time, and switch when their shares stay out of balance.
 
@@ -69,12 +69,6 @@ class HlodHysteresis:
     share_rate: float = 0.003  # ours: "gradually"; relative change of shareTime a frame
     margin: float = 0.1  # ours: "substantially" below or over the target
     lead_s: float = 0.1  # ours: "slightly adjusted" for the user's velocity
-    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
-    _loops: TimeLoops = field(init=False, repr=False, compare=False)
-    _units: FloatArray = field(init=False, repr=False, compare=False)
-    _static_benefit: FloatArray = field(init=False, repr=False, compare=False)
-    _counter: FloatArray = field(init=False, repr=False, compare=False)
-    _list: PriorityList = field(init=False, repr=False, compare=False, default_factory=PriorityList)
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
     claims: ClassVar[Claims] = Claims(hysteresis=True)

@@ -1,11 +1,11 @@
 """``maciel``: refinement by benefit over cost, each switch held back by a counter."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
@@ -16,7 +16,7 @@ from ..shared.hierarchy import Hierarchy, NodeCosts, gains
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class Maciel:
     """Idea: refine the node whose children have most benefit for their cost, but not at once.
 
@@ -38,15 +38,6 @@ class Maciel:
     """
 
     threshold: int = 8  # ours: frames; the thesis says only that it is fixed
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
-    _costs: NodeCosts = field(init=False, repr=False, compare=False)
-    _refined: BoolArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
-    )
-    _wished: IntArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.int32)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 

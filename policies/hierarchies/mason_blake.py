@@ -1,6 +1,6 @@
 """``mason-blake``: hierarchical increments and decrements within a predicted cost."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..solvers.tree_hull import Increments, next_above, take_part, tree_incremen
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class MasonBlake:
     """Idea: solve the multiple-choice knapsack on a tree, starting from the last frame's front.
 
@@ -42,13 +42,6 @@ class MasonBlake:
     animation", Eurographics 1997, and the correction announced for it (UCT CS99-04-00); neither
     text was at hand, so that the algorithm is derived from the hull argument.
     """
-
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _hierarchy: Hierarchy = field(init=False, repr=False, compare=False)
-    _costs: NodeCosts = field(init=False, repr=False, compare=False)
-    _refined: BoolArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0, dtype=np.bool_)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=1)

@@ -1,6 +1,6 @@
 """``pixel-error``: coarsest level whose error on the screen is below a threshold."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..shared.error_ladder import ErrorLadder
 from ..view import View
 
 
-@dataclass(slots=True)
+@dataclass
 class PixelError:
     """Idea: draw the coarsest level whose geometric error is at most `threshold_px` on the screen.
 
@@ -35,7 +35,6 @@ class PixelError:
 
     threshold_px: float = 1.0  # Godot's and meshoptimizer's
     hysteresis: float = 0.0  # share of the threshold by which to coarsen late; no engine has any
-    _ladder: ErrorLadder | None = field(init=False, repr=False, compare=False, default=None)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -51,7 +50,7 @@ class PixelError:
                 "pixel-error: expected threshold_px > 0 and hysteresis in [0, 1), got "
                 f"{self.threshold_px:g} and {self.hysteresis:g}"
             )
-        self._ladder = ErrorLadder(scene)
+        self._ladder: ErrorLadder | None = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""

@@ -1,6 +1,6 @@
 """``screen-space-error``: refine while the projected error is above a tolerance."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..view import View
 _STEP = 1.02  # CesiumJS: factor of the memory-adjusted error in a frame
 
 
-@dataclass(slots=True)
+@dataclass
 class ScreenSpaceError:
     """Idea: refine while ``error · height / (2 · distance · tan(fovy / 2))`` is above a tolerance.
 
@@ -43,10 +43,6 @@ class ScreenSpaceError:
 
     tolerance_px: float = 16.0  # CesiumJS and cesium-native
     memory_bytes: float | None = None  # None: off; CesiumJS adjusts to its cache of 512 MiB
-    _budget_ms: float = field(init=False, repr=False, compare=False, default=0.0)
-    _chooser: Hierarchy | ErrorLadder = field(init=False, repr=False, compare=False)
-    _node_bytes: FloatArray = field(init=False, repr=False, compare=False)
-    _adjusted_px: float = field(init=False, repr=False, compare=False, default=0.0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(
         continuous=True, hierarchy=True, loader=True
@@ -59,6 +55,7 @@ class ScreenSpaceError:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
+        self._budget_ms = 0.0
         if not 0.0 < self.tolerance_px < np.inf:
             raise InputError(
                 f"screen-space-error: expected tolerance_px > 0, got {self.tolerance_px:g}"

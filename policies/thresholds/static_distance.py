@@ -1,6 +1,6 @@
 """``static-distance``: level from distance alone."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ def distance_range(scene: Scene, near_m: float | None, far_m: float | None) -> t
     )
 
 
-@dataclass(slots=True)
+@dataclass
 class StaticDistance:
     """Idea: ``lod = clamp(1 - (d - near) / (far - near), 0, 1)``, spread evenly over the levels.
 
@@ -44,11 +44,6 @@ class StaticDistance:
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
     hysteresis: float = 0.0  # share of a threshold by which to return late; three.js: 0
-    _near_m: float = field(init=False, repr=False, compare=False, default=0.0)
-    _per_m: float = field(init=False, repr=False, compare=False, default=0.0)
-    _count: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 

@@ -1,7 +1,7 @@
 """``static-screen``: level from projected height against thresholds."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -37,7 +37,7 @@ def screen_level(
     return np.clip(level, 0.0, coarsest, out=level)
 
 
-@dataclass(slots=True)
+@dataclass
 class StaticScreen:
     """Idea: level i is drawn while projected height is at least ``first · ratio^i`` of the screen.
 
@@ -59,9 +59,6 @@ class StaticScreen:
     ratio: float = 0.5  # ours: halving the height when the triangles halve or quarter
     bias: float = 1.0  # Unity's default
     hysteresis: float = 0.01  # ours; 0 is Unity's behaviour
-    _coarsest: FloatArray = field(
-        init=False, repr=False, compare=False, default_factory=lambda: np.zeros(0)
-    )
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
