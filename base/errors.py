@@ -9,7 +9,10 @@
 A message says what was expected, what was found, where, and what to do.
 """
 
+import re
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 
 class LodbenchError(Exception):
@@ -26,10 +29,14 @@ class InputError(LodbenchError):
         path: str | Path | None = None,
         line: int | None = None,
     ) -> None:
-        self.message = message
+        self.message = re.sub(r"\s*\n\s*", " ", message)  # libraries explain in several lines
         self.path = None if path is None else str(path)
         self.line = line
-        super().__init__(message, self.path, line)
+        super().__init__(self.message, self.path, line)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # So that it comes back whole from another process, which passes arguments by position.
+        return partial(InputError, path=self.path, line=self.line), (self.message,)
 
     def __str__(self) -> str:
         where = "" if self.path is None else f"{self.path}:"
