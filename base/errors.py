@@ -9,6 +9,7 @@
 A message says what was expected, what was found, where, and what to do.
 """
 
+import re
 from pathlib import Path
 
 
@@ -26,10 +27,10 @@ class InputError(LodbenchError):
         path: str | Path | None = None,
         line: int | None = None,
     ) -> None:
-        self.message = message
+        self.message = re.sub(r"\s*\n\s*", " ", message)  # libraries explain in several lines
         self.path = None if path is None else str(path)
         self.line = line
-        super().__init__(message)  # pickles: path and line travel with the attributes
+        super().__init__(self.message)  # pickles: path and line travel with the attributes
 
     def __str__(self) -> str:
         where = "" if self.path is None else f"{self.path}:"

@@ -26,13 +26,13 @@ def require_replaceable(
         A regular expression of the names in the folder that `command` writes; those one level down
         are ``folder/name``.
     """
-    folder = Path(os.path.realpath(folder))
-    if not folder.name or folder == Path.cwd():
+    target = Path(os.path.realpath(folder))
+    if not target.name or target == Path.cwd():
         message = "expected a folder of its own to write to, got this one; name another"
         raise InputError(message, path=folder)
-    if os.path.lexists(folder):
+    if os.path.lexists(target):
         _require_own(folder, ours, command)
-    parents = (parent for parent in folder.parents if parent.exists() or not make_parents)
+    parents = (parent for parent in target.parents if parent.exists() or not make_parents)
     require_writable(next(parents))
 
 

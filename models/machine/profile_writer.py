@@ -57,6 +57,8 @@ def profile_toml(profile: HardwareProfile) -> str:
     }
     if profile.posterior is not None:
         document["gpu"]["posterior"] = _posterior(terms, draws, profile.posterior.scale)
+    for part in ("gpu", "cpu"):
+        document[part] = {key: table for key, table in document[part].items() if table}
     return tomli_w.dumps(document)
 
 

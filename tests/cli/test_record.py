@@ -173,7 +173,7 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
         ("balls", [*STATIC, "--size", "8x8"], "from 16x16 to 16384x16384, got 8x8"),
         ("balls", [*STATIC, "--out", "log.txt"], "expected a .parquet or .csv file"),
         ("balls", [*STATIC, "--out", "no/log.csv"], "in a folder that exists"),
-        ("balls", [*STATIC, "--out", "/proc/log.csv"], "a file that can be written"),
+        ("balls", [*STATIC, "--out", "/proc/log.csv"], "a path that can be written"),
         ("balls", [*STATIC, "--frame-log", "no/log.parquet"], "expected a .parquet file in a"),
         ("balls", [*STATIC, "--frame-log", "frames.csv"], "expected a .parquet file in a"),
         (
@@ -186,7 +186,7 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
         (
             "balls",
             [*STATIC, "--images", "pictures", "--out", "/proc/log.csv"],
-            "a file that can be written",
+            "a path that can be written",
         ),
         ("balls", [*STATIC, "--repeats", "0"], "--repeats: expected 1 to 99"),
         ("balls", [*STATIC, "--threads", "-1"], "--threads: expected 0 to 32, got -1"),
@@ -224,7 +224,7 @@ def test_a_folder_of_other_things_is_left_alone(
     assert sorted(path.name for path in Path("mine").iterdir()) == ["frame-1.png", "notes.txt"]
     assert not Path("log.csv").exists()
     assert record(*STATIC, "--images", "mine/notes.txt") == 2
-    assert "one that holds notes.txt; name another" in capsys.readouterr().err
+    assert "mine/notes.txt: expected a folder to write to, got a file" in capsys.readouterr().err
 
 
 def test_a_policy_that_fails_leaves_what_was_there(
