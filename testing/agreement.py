@@ -3,6 +3,7 @@
 import pickle
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ..base.errors import InputError
 from ..policies.registry import parameters, parse_policy
 from ..policies.selection import Selection
-from .example import Example, Factory, Frame, play_fresh
+from .example import Example, Factory, Frame, Played, play_fresh
 from .fixed_examples import NEXT_TO_NOTHING, PLENTY, TIGHT
 from .promise import Failure, promise
 from .small_scenes import renumbered
@@ -94,10 +95,16 @@ def draws_what_is_resident(factory: Factory, example: Example, _rest: int) -> No
     play_fresh(factory, example)
 
 
+@lru_cache(maxsize=16)
+def _play_guarded(factory: Factory, example: Example) -> Played[Guarded]:
+    """Replay an example under another instance, of which is noted what it changes."""
+    return example.play(factory(), Guarded)
+
+
 @promise(walks(TIGHT))
 def two_instances_agree(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Two instances decide alike: nothing is left to chance, to a clock or to the class."""
-    first, second = play_fresh(factory, example), example.play(factory())
+    first, second = play_fresh(factory, example), _play_guarded(factory, example)
     where = " of a second instance"
     return _compare(first.frames, second.frames, where, (("example", example),))
 
@@ -117,7 +124,7 @@ def reset_forgets(factory: Factory, pair: tuple[Example, Example], _rest: int) -
 @promise(walks(TIGHT))
 def leaves_the_view_alone(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Nothing of the view is written to, the policy's own previous selection included."""
-    changed = example.play(factory(), Guarded).notes.changed
+    changed = _play_guarded(factory, example).notes.changed
     if not changed:
         return None
     frame, name = changed[0]

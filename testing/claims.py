@@ -92,13 +92,13 @@ def _refresh_ms(display: Display) -> float:
     return 1e3 / (display.vrr_min_hz if display.mode == "vrr" else display.refresh_hz)
 
 
-@promise(walks(0.5, poses=(SIGHT,), frames=lambda rest: rest + 10), "settles_frames")
+@promise(walks(0.15, poses=(SIGHT,), frames=lambda rest: rest + 10), "settles_frames")
 def nothing_toggles_at_rest(factory: Factory, example: Example, rest: int) -> Failure | None:
     """Where nothing moves nothing changes, once the policy has had its frames to come to rest."""
     return _last_change(factory, example, rest)
 
 
-@promise(walks(0.15, 0.5, poses=CUT, frames=long_rest), "settles_frames")
+@promise(walks(0.5, poses=CUT, frames=long_rest), "settles_frames")
 def load_steps_settle(factory: Factory, example: Example, rest: int) -> Failure | None:
     """After a cut to the whole scene the policy comes to rest in its frames."""
     return _last_change(factory, example, rest)
@@ -133,7 +133,7 @@ def more_budget_is_never_worse(
     )
 
 
-@promise(walks(0.3, 1.5, poses=BACK_AND_FORTH, refresh_hz=10.0), "hysteresis")
+@promise(walks(0.3, poses=BACK_AND_FORTH, refresh_hz=10.0), "hysteresis")
 def hysteresis_holds(factory: Factory, example: Example, _rest: int) -> Failure | None:
     """Nowhere does a step forward, back and forward again switch a node twice.
 
@@ -184,6 +184,8 @@ def faulty_timings_never_raise_detail(
     for good in (0, 4):  # the first reports already fail, or some good ones come before
         primitives: dict[str, FloatArray] = {}
         for name, fault in FAULTS.items():
+            if name == "stale" and not good:
+                continue  # there is nothing to repeat
             played = example.play(factory(), faulty_timer(good, fault))
             if not played.notes.looks_at_timings():
                 return None

@@ -21,7 +21,7 @@ from .fixed_examples import (
 )
 from .promise import Examples
 
-BUDGETS = (NEXT_TO_NOTHING, 0.1, TIGHT, 0.8, 1.5)
+BUDGETS = (NEXT_TO_NOTHING, 0.1, TIGHT, 0.8, PLENTY)
 CUT = (*WALK[6:9], SIGHT)
 EMPTY_WALK = (AWAY, WALK[0], WALK[1], AWAY, AWAY, WALK[2])
 LONE_WALK = (*WALK[:3], AWAY, WALK[0])
@@ -70,7 +70,7 @@ def after_another(policy: Policy, _rest: int) -> Iterator[tuple[Example, Example
     """Yield pairs: what is played before is another scene, with less budget, from the end on."""
     chosen = list(fitting(policy.capabilities))
     for place, other in zip(chosen, (*chosen[1:], *chosen[:1]), strict=True):
-        yield example_at(other, 0.5 * TIGHT, WALK[::-1]), example_at(place, TIGHT)
+        yield example_at(other, 0.5 * TIGHT, WALK[:9:-1]), example_at(place, TIGHT)
 
 
 def growing(policy: Policy, _rest: int) -> Iterator[tuple[Example, Example]]:

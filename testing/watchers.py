@@ -19,7 +19,7 @@ class Unstreamed(Notes):
 
     def __init__(self, policy: Policy) -> None:
         super().__init__(policy)
-        type(self).capabilities = replace(policy.capabilities, loader=False)
+        type(self).capabilities = replace(self.capabilities, loader=False)
 
 
 class AllResident(Unstreamed):
@@ -129,5 +129,5 @@ FAULTS: dict[str, Fault] = {
     "silent": lambda _good: np.zeros((0, 4)),  # what the others may be no better than
     "missing": lambda _good: np.full((1, 4), np.nan),
     "zero": lambda _good: np.zeros((1, 4)),
-    "stale": lambda good: good[-1:] if len(good) else np.zeros((1, 4)),
+    "stale": lambda good: good[-1:],
 }
