@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 FENCE = re.compile(r"^```(\w+)(?: (\w+)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-OTHER_TOOLS = {"cd", "git", "make", "pip"}
+OTHER_TOOLS = {"cd", "git", "make", "pip", "python"}
 
 
 def page_name(page: Path) -> str:

@@ -71,9 +71,9 @@ def test_one_event_a_run_has_an_interval_over_seeds(world: World) -> None:
 
 
 def test_verdicts_do_not_depend_on_workers(world: World) -> None:
-    """The same bytes come from one process and from four."""
+    """The same bytes come from one process and from two."""
     texts: set[bytes] = set()
-    for workers in (1, 4):
+    for workers in (1, 2):
         conditions, measured = measure(POLICIES, world, replace(SAMPLING, workers=workers))
         texts.add(encode_report(judge_all(LIMITS, measured, conditions, None)))
     assert len(texts) == 1

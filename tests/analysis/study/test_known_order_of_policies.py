@@ -11,34 +11,33 @@ from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
 
 
-def toured(budget_ms: float, *policies: str) -> Comparison:
-    """Compare policies on the bundled scene, trace and profile."""
+@pytest.fixture(scope="module")
+def toured() -> Comparison:
+    """Compare three policies on the bundled scene, trace and profile, at 6 ms a frame."""
     scene = load_scene("plaza")
     return compare(
-        [parse_policy(text) for text in policies],
+        [parse_policy(text) for text in ("feedback", "static-distance", "full")],
         scene,
         load_trace("tour", scene),
         load_hardware("desktop-assumed"),
-        ReplayOptions(budget_ms=budget_ms),
+        ReplayOptions(budget_ms=6.0),
         CompareOptions(workers=1, resamples=20),
     )[0]
 
 
-def test_feedback_is_steadier_than_static_than_none() -> None:
+def test_feedback_is_steadier_than_static_than_none(toured: Comparison) -> None:
     """Where the way leads into dense areas, frame times vary least under feedback."""
-    comparison = toured(8.0, "feedback", "static-distance", "full")
-    spread = [policy.metrics["frame_ms_sd"].value or 0.0 for policy in comparison.ok]
+    spread = [policy.metrics["frame_ms_sd"].value or 0.0 for policy in toured.ok]
     assert 0.0 < spread[0] < spread[1] < spread[2]
-    assert comparison.beats["frame_ms_sd"]["static-distance"][2] == 1.0
+    assert toured.beats["frame_ms_sd"]["static-distance"][2] == 1.0
 
 
-def test_feedback_overshoots_a_sudden_step_and_settles() -> None:
+def test_feedback_overshoots_a_sudden_step_and_settles(toured: Comparison) -> None:
     """Feedback learns of the step when its frames are over: it overshoots, then holds the budget.
 
     Without management every frame after the step is over, several times.
     """
-    comparison = toured(6.0, "feedback", "full")
-    feedback, full = (policy.steps[0] for policy in comparison.ok)
+    feedback, _, full = (policy.steps[0] for policy in toured.ok)
     assert feedback.time_ms == pytest.approx(full.time_ms, abs=50.0)
     assert feedback.load_after_ms > 5.0 * 6.0
     assert 1.05 < feedback.overshoot_ratio < full.overshoot_ratio

@@ -90,7 +90,9 @@ def test_errors_are_near_those_of_fast_simplification(data_dir: Path) -> None:
     assert (np.median(ratios, axis=0) <= 1.5).all()
 
 
-@pytest.mark.parametrize("name", ["CesiumMilkTruck.glb", "spot.obj"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("CesiumMilkTruck.glb", marks=pytest.mark.slow), "spot.obj"]
+)
 def test_texture_is_kept(name: str, data_dir: Path) -> None:
     """At equal triangles the error in texture space is below half of plain collapse's."""
     mesh = surface(data_dir / "meshes" / name).full

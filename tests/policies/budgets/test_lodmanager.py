@@ -308,9 +308,9 @@ def test_sharing_saves_extractions_at_equal_triangles(
     crowd: Scene, make_hardware: Make, path: str
 ) -> None:
     """On 3,000 ogres under 1/5 of the extractions, mean triangles within 3 % of no sharing."""
-    trace = generate(path, duration_s=8.0, extent_m=150.0, seed=2)
+    trace = generate(path, duration_s=4.0, extent_m=150.0, seed=2)
     hardware = make_hardware({"triangles": 4.9e-6}, base_ms=16.0)
-    options = ReplayOptions(budget_ms=20.0, frames=400)
+    options = ReplayOptions(budget_ms=20.0, frames=200)
 
     def run(**params: Any) -> tuple[float, float, float]:
         policy = LodManager(gain=1.0, **params)

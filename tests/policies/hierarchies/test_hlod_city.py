@@ -16,7 +16,7 @@ from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
-WARMUP = 300  # frames in which the roots' share finds its level
+WARMUP = 200  # frames in which the roots' share finds its level
 WALK_M_S = 1.4
 
 
@@ -35,7 +35,7 @@ def run(
         scene: Scene,
         *,
         speed_m_s: float = WALK_M_S,
-        frames: int = 700,
+        frames: int = 500,
         memory_bytes: float | None = None,
     ) -> FrameLog:
         key = (policy, scene.name, speed_m_s, frames, memory_bytes)
@@ -79,9 +79,9 @@ def test_fewer_toggles_than_a_knapsack_on_its_own_hierarchy(
     That is the hierarchy of 1993 (thesis, section 5.1), where all three choose among the same
     fronts; the time that they use is about the same.
     """
-    own = run("hlod-hysteresis", chains, frames=500)
+    own = run("hlod-hysteresis", chains, frames=350)
     for name in ("funkhouser", "funkhouser:mode=greedy", "maciel"):
-        other = run(name, chains, frames=500)
+        other = run(name, chains, frames=350)
         assert 5.0 * _per_frame(own, "toggles") < _per_frame(other, "toggles")
         assert 20.0 * _per_frame(own, "reversals") < _per_frame(other, "reversals")
         assert _per_frame(own, "gpu_ms") == pytest.approx(_per_frame(other, "gpu_ms"), rel=0.15)
@@ -89,8 +89,8 @@ def test_fewer_toggles_than_a_knapsack_on_its_own_hierarchy(
 
 def test_ten_times_the_speed_toggles_more(chains: Scene, run: Callable[..., FrameLog]) -> None:
     """As in the thesis: toggles follow the movement, and few are undone."""
-    walk = run("hlod-hysteresis", chains, frames=500)
-    drive = run("hlod-hysteresis", chains, frames=500, speed_m_s=14.0)
+    walk = run("hlod-hysteresis", chains, frames=350)
+    drive = run("hlod-hysteresis", chains, frames=350, speed_m_s=14.0)
     assert _per_frame(drive, "toggles") > 3.0 * _per_frame(walk, "toggles")
     assert _per_frame(drive, "reversals") < 0.3 * _per_frame(drive, "toggles")
 
@@ -100,7 +100,7 @@ def test_memory_stays_under_its_bound_and_nothing_is_missing(
     city: Scene, run: Callable[..., FrameLog], memory_bytes: float, speed_m_s: float
 ) -> None:
     """In every frame; the replay itself checks that what is drawn is a front and in memory."""
-    log = run("hlod-hysteresis", city, speed_m_s=speed_m_s, memory_bytes=memory_bytes)
+    log = run("hlod-hysteresis", city, speed_m_s=speed_m_s, frames=700, memory_bytes=memory_bytes)
     memory = log["memory_bytes"]
     assert log.header.memory_bound_bytes == memory_bytes
     assert 0.9 < memory.max() / memory_bytes <= 1.0
@@ -133,7 +133,7 @@ def test_measured_time_makes_the_estimate_better(city: Scene, run: Callable[...,
     """The relative error of the estimate narrows with the loop, as from 15.19 % to 3.89 % there."""
     errors: list[np.ndarray] = []
     for name in ("hlod-hysteresis:time_rate=0", "hlod-hysteresis"):
-        log = run(name, city, speed_m_s=14.0, frames=600)
+        log = run(name, city, speed_m_s=14.0, frames=450)
         errors.append((log["predicted_gpu_ms"] / log["gpu_ms"] - 1.0)[WARMUP:])
     without, with_loop = errors
     assert with_loop.std() < 0.5 * without.std()
@@ -175,7 +175,7 @@ def test_a_still_view_rests_under_noisy_times(
     )
     toggles: list[float] = []
     for name in ("hlod-hysteresis", "erikson"):
-        options = ReplayOptions(budget_ms=30.0, frames=1_100)
+        options = ReplayOptions(budget_ms=30.0, frames=800)
         log = replay(parse_policy(name).make(), city, still, noisy, options, name=name)
         toggles.append(float(log["toggles"][-200:].sum()))
     assert toggles[0] <= 4.0
