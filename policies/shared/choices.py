@@ -103,7 +103,8 @@ class LevelChoices:
         self._costs = costs
         self._continuous = levels.continuous
         width = int(levels.level_count.max())
-        self._lacking = np.arange(width) >= levels.level_count[:, None]
+        lacking = np.arange(width) >= levels.level_count[:, None]
+        self._lacking = lacking if lacking.any() else None
         rows = levels.start[:-1, None] + np.arange(width)
         self._rows = rows = np.minimum(rows, levels.start[1:, None] - 1)
         self._samples = level_primitives(levels)[rows]
@@ -114,7 +115,8 @@ class LevelChoices:
         """Return the levels of a view's candidates."""
         kind = view.type_index
         cost_ms = self._costs.objects_ms(self._rows[kind], view)
-        cost_ms[self._lacking[kind]] = np.inf
+        if self._lacking is not None:
+            cost_ms[self._lacking[kind]] = np.inf
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
         fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind))
