@@ -30,20 +30,16 @@ def covers(samples: np.ndarray, truth: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "model", "steps"),
-    [
-        ("clean", "gaussian", 500),
-        ("outliers", "student-t", 750),
-        ("heteroscedastic", "student-t", 750),
-    ],
+    ("kind", "model"),
+    [("clean", "gaussian"), ("outliers", "student-t"), ("heteroscedastic", "student-t")],
 )
 def test_ninety_percent_intervals_cover_the_truth(
-    make_sample: MakeSample, truth_ms: Truth, kind: str, model: Model, steps: int
+    make_sample: MakeSample, truth_ms: Truth, kind: str, model: Model
 ):
     """Base, draws and triangles are each covered in 85 to 95 % of logs."""
     covered = np.zeros((LOGS, 3), dtype=np.bool_)
     for seed in range(LOGS):
-        options = SamplerOptions(walkers=16, max_steps=steps, seed=seed)
+        options = SamplerOptions(walkers=16, max_steps=500, seed=seed)
         found = estimate(make_sample(kind, seed=seed), TERMS, model, options)
         draws = found.coefficients_ms.T
         covered[seed] = [covers(x, truth) for x, truth in zip(draws, truth_ms, strict=True)]
