@@ -198,10 +198,12 @@ class FrameCost:
 def _by_unit(model: CostModel) -> list[list[tuple[str, float]]]:
     """Return names and prices of the terms that cost something, those of one unit together.
 
+    Terms that no level decides come first, and a unit stands where its first term does.
     Another order of additions would change the last bits of results, and who wins where two tie.
     """
     groups: dict[str, list[tuple[str, float]]] = {}
-    for name, term in (VIEW_TERMS | FRAME_TERMS).items():
+    of_no_level = {name: term for name, term in VIEW_TERMS.items() if not term.reads}
+    for name, term in (of_no_level | FRAME_TERMS | VIEW_TERMS).items():
         if model.unit_ms(name):
             groups.setdefault(term.unit, []).append((name, model.unit_ms(name)))
     return list(groups.values())
