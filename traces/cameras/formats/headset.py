@@ -19,8 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..samples import trace_from_samples
 from ..text_lines import data_lines, parse_numbers
 from ..trace_format import TraceFormat

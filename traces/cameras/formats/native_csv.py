@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import refuse_rows
 from ....base.errors import InputError
 from ..camera_trace import CameraTrace
 from ..native_columns import (
@@ -22,7 +23,7 @@ from ..native_columns import (
     encode_header,
 )
 from ..samples import trace_from_samples
-from ..text_lines import data_lines, parse_numbers, read_lines
+from ..text_lines import data_lines, first_data, read_lines, read_rows
 from ..trace_format import TraceFormat, refuse_selector
 
 MARK = f"# {SCHEMA} "
@@ -41,21 +42,15 @@ def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
     line, text = next(numbered, (1, ""))
     columns = [name.strip() for name in text.split(",")]
     check_columns(columns, path, line)
-    lines: list[int] = []
-    rows: list[list[float]] = []
-    for line, text in numbered:
-        rows.append(parse_numbers(text.split(","), columns, path=path, line=line))
-        lines.append(line)
-    table = np.array(rows).reshape(-1, len(columns))
+    lines, table = read_rows(numbered, columns, path, ",")
     required = table[:, [columns.index(name) for name in REQUIRED]]
     cut = table[:, columns.index("cut")] if "cut" in columns else np.zeros(len(lines))
-    wrong = np.flatnonzero((cut != 0.0) & (cut != 1.0))
-    if wrong.size:
-        raise InputError(
-            f"expected cut to be 0 or 1, got {cut[wrong[0]]:g}; correct the row",
-            path=path,
-            line=lines[int(wrong[0])],
-        )
+    refuse_rows(
+        (cut != 0.0) & (cut != 1.0),
+        lambda row: f"expected cut to be 0 or 1, got {cut[row]:g}; correct the row",
+        path=path,
+        lines=lines,
+    )
     return trace_from_samples(
         header.name,
         path,
@@ -96,10 +91,8 @@ def write_csv(trace: CameraTrace, path: Path) -> None:
 
 
 def _recognises(head: list[str]) -> bool:
-    if head and head[0].startswith(MARK):
-        return True
-    data = [line for line in head if not line.startswith("#")]
-    return bool(data) and "time_s" in data[0].replace(" ", "").split(",")
+    columns = first_data(head).replace(" ", "").split(",")
+    return "".join(head[:1]).startswith(MARK) or "time_s" in columns
 
 
 FORMAT = TraceFormat(

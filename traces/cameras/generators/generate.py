@@ -26,9 +26,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.nearest_names import unknown_name
-from ..camera_trace import BoolArray, CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..orientation import look_along
 from ..samples import MAX_COORDINATE_M
 from .motion_paths import Limits, Timeline, travel_closed_curve
