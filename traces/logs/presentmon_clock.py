@@ -11,9 +11,9 @@ from datetime import date
 
 import numpy as np
 
+from ...base.arrays import FloatArray, refuse_rows
 from ...base.errors import InputError
 from .log_table import LogTable
-from .timings import FloatArray
 
 # Seconds in a unit; None for ticks of the performance counter.
 _PRESENT_CLOCKS: dict[str, float | None] = {
@@ -111,19 +111,18 @@ def _date_ns(text: str) -> int | None:
 
 
 def _require_order(time_s: FloatArray, table: LogTable, lines: Sequence[int]) -> None:
-    missing = np.flatnonzero(~np.isfinite(time_s))
-    if missing.size:
-        raise InputError(
-            "expected a time in each row, got none; correct or remove the row",
-            path=table.path,
-            line=lines[int(missing[0])],
-        )
-    backward = np.flatnonzero(np.diff(time_s) < 0.0)
-    if backward.size:
-        row = int(backward[0]) + 1
-        raise InputError(
+    refuse_rows(
+        ~np.isfinite(time_s),
+        lambda _: "expected a time in each row, got none; correct or remove the row",
+        path=table.path,
+        lines=lines,
+    )
+    refuse_rows(
+        np.append(False, np.diff(time_s) < 0.0),
+        lambda row: (
             f"expected times that never decrease, got {time_s[row]:.9g} s after "
-            f"{time_s[row - 1]:.9g} s; sort the rows of each swap chain by time",
-            path=table.path,
-            line=lines[row],
-        )
+            f"{time_s[row - 1]:.9g} s; sort the rows of each swap chain by time"
+        ),
+        path=table.path,
+        lines=lines,
+    )

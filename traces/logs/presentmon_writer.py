@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...base.whole_file import whole_text_file
-from .timings import FloatArray, FrameTimings
+from .timings import FrameTimings
 
 _MISSING = "NA"
 

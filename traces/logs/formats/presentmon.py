@@ -23,13 +23,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.text_file import read_encoded
 from ..log_format import LogFormat
 from ..log_table import LogTable, split_table
 from ..log_timings import log_from_timings
 from ..presentmon_clock import present_clock
-from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
+from ..timings import FrameTimings, complete_timings
 
 _COLUMNS = {
     "between_presents_ms": ("msbetweenpresents",),
