@@ -72,11 +72,11 @@ def format_of(path: Path) -> str:
         if FORMATS.find(name).recognises(lines):
             return name
     shown = (first_data(lines) or "no data")[:60]
-    raise InputError(
+    message = (
         f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "
-        "convert it to the native CSV, or name the format",
-        path=path,
+        "convert it to the native CSV, or name the format"
     )
+    raise InputError(message, path=path)
 
 
 def _head_lines(path: Path) -> list[str]:

@@ -52,23 +52,21 @@ def parse_numbers(
     Raises `InputError` if the row has more or fewer columns, or one is not a finite number.
     """
     if len(fields) != len(names):
-        raise InputError(
+        message = (
             f"expected {len(names)} columns ({' '.join(names)}), got {len(fields)}; "
-            "complete or remove the row",
-            path=path,
-            line=line,
+            "complete or remove the row"
         )
+        raise InputError(message, path=path, line=line)
     try:
         numbers = list(map(float, fields))
     except ValueError:
         numbers = [math.nan]
     if not all(map(math.isfinite, numbers)):
         name, field = next(pair for pair in zip(names, fields, strict=True) if not _finite(pair[1]))
-        raise InputError(
-            f"expected a finite number for {name}, got {field[:40]!r}; correct or remove the row",
-            path=path,
-            line=line,
+        message = (
+            f"expected a finite number for {name}, got {field[:40]!r}; correct or remove the row"
         )
+        raise InputError(message, path=path, line=line)
     return numbers
 
 

@@ -18,10 +18,10 @@ _SUFFIXES = (".parquet", ".csv")
 def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
     """Raise InputError unless the path is one that `write_log`, or who writes these, can write."""
     if path.suffix not in suffixes or path.is_dir() or not path.absolute().parent.is_dir():
-        raise InputError(
-            f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path",
-            path=path,
+        message = (
+            f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path"
         )
+        raise InputError(message, path=path)
     require_writable(path.parent)
 
 

@@ -45,11 +45,10 @@ def present_clock(
     clocks = {**_PRESENT_CLOCKS, **_CPU_CLOCKS}
     name = next((name for name in clocks if name in names), None)
     if name is None:
-        raise InputError(
-            f"expected a column with the time ({', '.join(clocks)}), got none; capture with one",
-            path=table.path,
-            line=table.first_line - 1,
+        message = (
+            f"expected a column with the time ({', '.join(clocks)}), got none; capture with one"
         )
+        raise InputError(message, path=table.path, line=table.first_line - 1)
     at_present = name in _PRESENT_CLOCKS
     clock = _read(table, names.index(name), rows)
     unit_s = clocks[name]
@@ -79,10 +78,8 @@ def _tick_s(clock: FloatArray, interval_ms: FloatArray, table: LogTable) -> floa
     if len(clock) == 1:
         return 0.0  # one row, at 0
     if ratios.size == 0:
-        raise InputError(
-            "expected frame times beside the ticks of the clock, got none; use --date_time",
-            path=table.path,
-        )
+        message = "expected frame times beside the ticks of the clock, got none; use --date_time"
+        raise InputError(message, path=table.path)
     return float(np.median(ratios)) / 1e3
 
 

@@ -52,12 +52,11 @@ def read_euroc(path: Path, selector: str | None = None) -> CameraTrace:
 def _nanoseconds(field: str, path: Path, line: int) -> int:
     text = field.strip()
     if not (text.isascii() and text.isdigit() and len(text) <= 19):
-        raise InputError(
+        message = (
             f"expected a timestamp in whole nanoseconds, got {text[:40]!r}; "
-            "correct or remove the row",
-            path=path,
-            line=line,
+            "correct or remove the row"
         )
+        raise InputError(message, path=path, line=line)
     return int(text)
 
 

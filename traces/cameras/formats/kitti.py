@@ -56,21 +56,21 @@ def _times_path(path: Path, selector: str | None) -> Path:
         if candidate.is_file():
             return candidate
     names = " or ".join(candidate.name for candidate in candidates)
-    raise InputError(
+    message = (
         f"expected the times of the poses in {names} beside it, got neither; "
-        f"name the file after #, as in {path.name}#FILE",
-        path=path,
+        f"name the file after #, as in {path.name}#FILE"
     )
+    raise InputError(message, path=path)
 
 
 def _read_times(path: Path, poses: Path, count: int) -> FloatArray:
     times = read_rows(data_lines(path), ("time",), path)[1][:, 0]
     if len(times) != count:
-        raise InputError(
+        message = (
             f"expected {count} times, one for each pose of {poses.name}, got {len(times)}; "
-            "give the file that belongs to it",
-            path=path,
+            "give the file that belongs to it"
         )
+        raise InputError(message, path=path)
     return times
 
 

@@ -15,14 +15,14 @@ from ....base.errors import InputError
 from ..camera_trace import CameraTrace
 from ..native_columns import (
     COLUMNS,
-    REQUIRED,
     SCHEMA,
     Header,
     check_columns,
+    columns_of,
     decode_header,
     encode_header,
+    trace_of,
 )
-from ..samples import trace_from_samples
 from ..text_lines import data_lines, first_data, read_lines, read_rows
 from ..trace_format import TraceFormat, refuse_selector
 
@@ -43,25 +43,15 @@ def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
     columns = [name.strip() for name in text.split(",")]
     check_columns(columns, path, line)
     lines, table = read_rows(numbered, columns, path, ",")
-    required = table[:, [columns.index(name) for name in REQUIRED]]
-    cut = table[:, columns.index("cut")] if "cut" in columns else np.zeros(len(lines))
+    known = dict(zip(columns, table.T, strict=True))
+    cut = known.get("cut", np.zeros(len(lines)))
     refuse_rows(
         (cut != 0.0) & (cut != 1.0),
         lambda row: f"expected cut to be 0 or 1, got {cut[row]:g}; correct the row",
         path=path,
         lines=lines,
     )
-    return trace_from_samples(
-        header.name,
-        path,
-        lines,
-        time_s=required[:, 0],
-        position_m=required[:, 1:4],
-        orientation_xyzw=required[:, 4:8],
-        cut=cut == 1.0,
-        origin_s=header.origin_s,
-        repairs=header.made_repairs(),
-    )
+    return trace_of(known, header, path, lines)
 
 
 def _header(first: str, path: Path) -> Header:
@@ -70,24 +60,22 @@ def _header(first: str, path: Path) -> Header:
         return decode_header(first[len(MARK) :], path, 1)
     family, version = SCHEMA.split("/")
     if first.startswith(f"# {family}/"):
-        raise InputError(
+        message = (
             f"expected version {version} of {family}, got {first[2:60]!r}; "
-            "write the trace with this version of lodbench",
-            path=path,
-            line=1,
+            "write the trace with this version of lodbench"
         )
+        raise InputError(message, path=path, line=1)
     return Header(path.stem)
 
 
 def write_csv(trace: CameraTrace, path: Path) -> None:
     """Write a trace as native CSV."""
-    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
+    *numbers, cut = columns_of(trace).values()
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(f"{MARK}{encode_header(trace).decode()}\n")
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(COLUMNS)
-        for row, cut in zip(numbers.tolist(), trace.cut.tolist(), strict=True):
-            rows.writerow([*row, int(cut)])
+        rows.writerows(zip(*(column.tolist() for column in numbers), cut.astype(int), strict=True))
 
 
 def _recognises(head: list[str]) -> bool:

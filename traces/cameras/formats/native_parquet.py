@@ -12,8 +12,15 @@ from ....base.arrays import FloatArray, refuse_rows
 from ....base.errors import InputError
 from ....base.parquet_file import ParquetColumns, write_columns
 from ..camera_trace import CameraTrace
-from ..native_columns import REQUIRED, SCHEMA, Header, check_columns, decode_header, encode_header
-from ..samples import trace_from_samples
+from ..native_columns import (
+    SCHEMA,
+    Header,
+    check_columns,
+    columns_of,
+    decode_header,
+    encode_header,
+    trace_of,
+)
 from ..trace_format import TraceFormat, refuse_selector
 
 SCHEMA_KEY, HEADER_KEY = "lodbench.schema", "lodbench.trace"
@@ -29,27 +36,16 @@ def read_parquet(path: Path, selector: str | None = None) -> CameraTrace:
     table = ParquetColumns(path)
     schema = table.text(SCHEMA_KEY)
     if schema != SCHEMA:
-        raise InputError(
+        message = (
             f"expected the schema {SCHEMA}, got {schema or 'none'}; "
-            "write the trace with this version of lodbench",
-            path=path,
+            "write the trace with this version of lodbench"
         )
+        raise InputError(message, path=path)
     text = table.text(HEADER_KEY)
     header = decode_header(text, path, None) if text else Header(path.stem)
     check_columns(table.names, path, None)
     columns = {name: _finite_column(table, name, path) for name in table.names}
-    required = np.column_stack([columns[name] for name in REQUIRED])
-    return trace_from_samples(
-        header.name,
-        path,
-        range(1, len(table) + 1),
-        time_s=required[:, 0],
-        position_m=required[:, 1:4],
-        orientation_xyzw=required[:, 4:8],
-        cut=columns["cut"] != 0.0 if "cut" in columns else None,
-        origin_s=header.origin_s,
-        repairs=header.made_repairs(),
-    )
+    return trace_of(columns, header, path, range(1, len(table) + 1))
 
 
 def _finite_column(table: ParquetColumns, name: str, path: Path) -> FloatArray:
@@ -67,10 +63,8 @@ def _finite_column(table: ParquetColumns, name: str, path: Path) -> FloatArray:
 
 def write_parquet(trace: CameraTrace, path: Path) -> None:
     """Write a trace as native Parquet."""
-    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
-    columns = dict(zip(REQUIRED, numbers.T.copy(), strict=True))
     texts = {SCHEMA_KEY: SCHEMA, HEADER_KEY: encode_header(trace)}
-    write_columns(path, {**columns, "cut": trace.cut}, texts)
+    write_columns(path, columns_of(trace), texts)
 
 
 def _recognises(head: list[str]) -> bool:

@@ -42,11 +42,11 @@ def write_tum(trace: CameraTrace, path: Path) -> None:
     Raises `InputError` if the trace has cuts, which the format cannot hold.
     """
     if trace.cut.any():
-        raise InputError(
+        message = (
             f"expected a trace without cuts for TUM, got {trace.cut.sum()} cuts; "
-            "write csv or parquet",
-            path=path,
+            "write csv or parquet"
         )
+        raise InputError(message, path=path)
     optical = optical_from_camera(trace.orientation_xyzw)
     table = np.column_stack([trace.origin_s + trace.time_s, trace.position_m, optical])
     rows = (" ".join(map(repr, row)) for row in table.tolist())

@@ -156,10 +156,8 @@ def _require_order(time_s: FloatArray, path: Path) -> None:
     wrong = np.flatnonzero(~(np.diff(time_s) >= 0.0))
     if wrong.size or not np.isfinite(time_s[0]):
         row = int(wrong[0]) + 1 if wrong.size else 0
-        raise InputError(
-            f"expected times that never decrease, got {time_s[row]} at frame {row}; {_ADVICE}",
-            path=path,
-        )
+        message = f"expected times that never decrease, got {time_s[row]} at frame {row}; {_ADVICE}"
+        raise InputError(message, path=path)
 
 
 def write_capframex(
