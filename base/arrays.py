@@ -1,5 +1,7 @@
 """Checks that every struct of arrays makes once, on construction."""
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -36,3 +38,15 @@ def require_finite(array: FloatArray, name: str, *, low: float = -np.inf) -> Non
         first = tuple(int(i[0]) for i in np.nonzero(~good))
         bound = "" if low == -np.inf else f" >= {low:g}"
         raise InputError(f"{name}: expected finite values{bound}, got {array[first]} at {first}")
+
+
+def refuse_rows(
+    wrong: BoolArray, message: Callable[[int], str], *, path: Path, lines: Sequence[int]
+) -> None:
+    """Raise InputError about the first wrong row of a file, by its line; `message` is of its index.
+
+    Rows are `wrong` and `lines`, (n,).
+    """
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise InputError(message(row), path=path, line=lines[row])

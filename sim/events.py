@@ -15,8 +15,6 @@ Handler = Callable[[int, int], None]
 class EventQueue:
     """Future events as ``(time_ns, priority, seq, handler, subject)``; a loop, not coroutines."""
 
-    __slots__ = ("_heap", "_seq", "now_ns")
-
     def __init__(self) -> None:
         self._heap: list[tuple[int, int, int, Handler, int]] = []
         self._seq = 0

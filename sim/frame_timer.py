@@ -16,8 +16,6 @@ _BLOCK = 1024
 class FrameNoise:
     """One random number a frame, drawn in blocks; frame k gets the same one under every policy."""
 
-    __slots__ = ("_at", "_block", "_draw", "_rng")
-
     def __init__(
         self,
         draw: Callable[[np.random.Generator, int], FloatArray],
@@ -43,18 +41,6 @@ class FrameTimer:
     The report of frame j arrives once frame j + delay has completed on the GPU: with F frames in
     flight on a GPU-bound queue, frame t is selected on the report of frame t - F - delay.
     """
-
-    __slots__ = (
-        "_before",
-        "_delay",
-        "_dice",
-        "_faults",
-        "_last_shown_ns",
-        "_pipeline",
-        "_presented",
-        "_reported",
-        "_times",
-    )
 
     def __init__(self, faults: Faults, delay: int, seed: np.random.SeedSequence) -> None:
         self._faults, self._delay = faults, delay

@@ -6,8 +6,6 @@ which keeps what it has and goes on later.  What has the lowest priority is evic
 Roots are in memory from the start and stay.
 """
 
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,8 +23,8 @@ CHUNK_BYTES = 65_536
 _PRIORITY = 1  # before the CPU: a frame that begins in the nanosecond a chunk arrives has it
 
 
-class Memory(Protocol):
-    """What the replay asks of memory.
+class Memory:
+    """What the replay asks of memory; this one holds everything from the start.
 
     Attributes
     ----------
@@ -36,21 +34,18 @@ class Memory(Protocol):
         Bytes held now, and bytes read from the disk since the start.
     """
 
-    resident: BoolArray | None
-    memory_bytes: int
-    loaded_bytes: int
+    def __init__(self, memory_bytes: int) -> None:
+        self.resident: BoolArray | None = None
+        self.memory_bytes, self.loaded_bytes = memory_bytes, 0
 
     def attach(self, events: EventQueue) -> None:
         """Read on this clock."""
-        ...
 
     def want(self, time_ns: int, wanted: IntArray | None) -> None:
         """Take a new list of nodes to have in memory, by falling priority; None keeps the last."""
-        ...
 
     def stop(self) -> None:
         """Begin no further read."""
-        ...
 
 
 def make_memory(
@@ -64,7 +59,7 @@ def make_memory(
     """
     levels = scene.types.levels
     if not streaming:
-        return AllInMemory(round(float(levels.bytes.sum())))
+        return Memory(round(float(levels.bytes.sum())))
     type_bytes = np.add.reduceat(levels.bytes, levels.start[:-1])
     node_bytes = np.ceil(type_bytes[scene.type_index]).astype(np.int64)
     return Loader(
@@ -90,26 +85,7 @@ def find_not_resident(selection: Selection, view: View) -> str | None:
     return f"ids: expected nodes in memory, got node {int(selection.ids[absent.argmax()])}"
 
 
-class AllInMemory:
-    """Memory that holds everything from the start."""
-
-    __slots__ = ("loaded_bytes", "memory_bytes", "resident")
-
-    def __init__(self, memory_bytes: int) -> None:
-        self.resident: BoolArray | None = None
-        self.memory_bytes, self.loaded_bytes = memory_bytes, 0
-
-    def attach(self, events: EventQueue) -> None:
-        """Nothing is read."""
-
-    def want(self, time_ns: int, wanted: IntArray | None) -> None:
-        """Nothing is to be read."""
-
-    def stop(self) -> None:
-        """Nothing is being read."""
-
-
-class Loader:
+class Loader(Memory):
     """Memory that never exceeds a bound, filled by one reader of a disk.
 
     The longest prefix of the wanted list that fits beside the roots is the target.  Its missing
@@ -126,28 +102,6 @@ class Loader:
     interruptions : int
         Reads suspended for a node of higher priority.
     """
-
-    __slots__ = (
-        "_bound",
-        "_bytes",
-        "_complete",
-        "_disk",
-        "_events",
-        "_held",
-        "_in_flight",
-        "_pending",
-        "_pinned",
-        "_rank",
-        "_reading",
-        "_stopped",
-        "_target",
-        "_victims",
-        "evicted_bytes",
-        "interruptions",
-        "loaded_bytes",
-        "memory_bytes",
-        "resident",
-    )
 
     def __init__(
         self,
@@ -166,9 +120,11 @@ class Loader:
         self._pinned[roots] = True
         self._held = np.where(self._pinned, node_bytes, 0)
         self._complete = self._held == node_bytes
+        super().__init__(int(self._held.sum()))
+        self.loaded_bytes = self.memory_bytes
         resident = self._complete.view()
         resident.flags.writeable = False
-        self.resident: BoolArray | None = resident
+        self.resident = resident
         self._rank = np.full(n, n, dtype=np.int64)  # 0 is the highest priority
         self._target = np.zeros(n, dtype=np.bool_)
         self._pending: list[int] = []  # missing nodes of the target, the next to read last
@@ -176,7 +132,6 @@ class Loader:
         self._reading: int = -1
         self._in_flight = self._stopped = False
         self._events = EventQueue()
-        self.memory_bytes = self.loaded_bytes = int(self._held.sum())
         self.evicted_bytes = self.interruptions = 0
         if self.memory_bytes > bound_bytes:
             raise InputError(

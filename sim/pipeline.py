@@ -35,25 +35,6 @@ class Pipeline:
         Frames whose GPU work is complete; they complete in order.
     """
 
-    __slots__ = (
-        "_cpu_idle",
-        "_frames_in_flight",
-        "_gpu_idle",
-        "_gpu_ns",
-        "_images_free",
-        "_in_flight",
-        "_queue",
-        "_screen",
-        "_source",
-        "completed",
-        "cpu_end_ns",
-        "display_ns",
-        "events",
-        "gpu_end_ns",
-        "gpu_start_ns",
-        "input_ns",
-    )
-
     def __init__(self, source: FrameSource, display: Display, frames_in_flight: int) -> None:
         self._source = source
         self._frames_in_flight = frames_in_flight

@@ -4,6 +4,7 @@ A screen is offered finished frames in order.  It shows each at some time or dro
 `freed` whenever an image can be drawn into again: the image shown before, or a dropped one.
 """
 
+from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable
 from typing import Protocol
@@ -34,8 +35,6 @@ class Screen(Protocol):
 class Immediate:
     """Every frame is shown when it is finished, tearing if need be."""
 
-    __slots__ = ("_freed", "_front", "_shown")
-
     def __init__(self, shown: Shown, freed: Freed) -> None:
         self._shown, self._freed = shown, freed
         self._front = False
@@ -48,33 +47,25 @@ class Immediate:
         self._front = True
 
 
-class Vsync:
-    """Finished frames wait in order; each vblank shows the oldest."""
+class Refreshing:
+    """Finished frames wait in order; each refresh of the panel shows the oldest."""
 
-    __slots__ = ("_events", "_freed", "_front", "_pending", "_refresh_hz", "_shown", "_tick")
-
-    def __init__(self, events: EventQueue, refresh_hz: float, shown: Shown, freed: Freed) -> None:
-        self._events, self._refresh_hz = events, refresh_hz
-        self._shown, self._freed = shown, freed
+    def __init__(self, events: EventQueue, shown: Shown, freed: Freed) -> None:
+        self._events, self._shown, self._freed = events, shown, freed
         self._pending: deque[int] = deque()
         self._front = False
-        self._tick = -1  # the last vblank that was used or is scheduled
 
     def offer(self, time_ns: int, frame: int) -> None:
-        """Queue the frame for the first vblank that no earlier frame takes."""
+        """Queue the frame for the first refresh that no earlier frame takes."""
         self._pending.append(frame)
         if len(self._pending) == 1:
             self._schedule(time_ns)
 
+    @abstractmethod
     def _schedule(self, time_ns: int) -> None:
-        # Vblank n is at round(n · period): half a nanosecond off at most, and never accumulating.
-        tick = max(self._tick + 1, int(time_ns * self._refresh_hz / _NS_PER_S))
-        while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
-            tick += 1
-        self._tick = tick
-        self._events.schedule(at_ns, _PRIORITY, self._vblank, tick)
+        """Have `_refresh` called at the next refresh that may show a frame."""
 
-    def _vblank(self, time_ns: int, _tick: int) -> None:
+    def _refresh(self, time_ns: int, _subject: int) -> None:
         self._shown(time_ns, self._pending.popleft())
         if self._pending:
             self._schedule(time_ns)
@@ -83,10 +74,25 @@ class Vsync:
         self._front = True
 
 
+class Vsync(Refreshing):
+    """The panel refreshes at a fixed rate, whether there is a frame to show or not."""
+
+    def __init__(self, events: EventQueue, refresh_hz: float, shown: Shown, freed: Freed) -> None:
+        super().__init__(events, shown, freed)
+        self._refresh_hz = refresh_hz
+        self._tick = -1  # the last vblank that was used or is scheduled
+
+    def _schedule(self, time_ns: int) -> None:
+        # Vblank n is at round(n · period): half a nanosecond off at most, and never accumulating.
+        tick = max(self._tick + 1, int(time_ns * self._refresh_hz / _NS_PER_S))
+        while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
+            tick += 1
+        self._tick = tick
+        self._events.schedule(at_ns, _PRIORITY, self._refresh, tick)
+
+
 class Mailbox(Vsync):
     """A vblank shows the newest finished frame; the one that it replaces is dropped."""
-
-    __slots__ = ()
 
     def offer(self, time_ns: int, frame: int) -> None:
         """Take the place of any frame that waits for the same vblank."""
@@ -98,38 +104,18 @@ class Mailbox(Vsync):
         self._freed(time_ns)
 
 
-class Vrr:
+class Vrr(Refreshing):
     """The panel starts a refresh when a frame is finished, within its range of rates.
 
     A refresh takes the shortest period.  When no frame comes within the longest period the panel
     shows the old one again, and a frame that is finished meanwhile waits for that refresh to end.
     """
 
-    __slots__ = (
-        "_events",
-        "_freed",
-        "_front",
-        "_last_ns",
-        "_longest_ns",
-        "_pending",
-        "_shortest_ns",
-        "_shown",
-    )
-
     def __init__(self, events: EventQueue, display: Display, shown: Shown, freed: Freed) -> None:
-        self._events = events
-        self._shown, self._freed = shown, freed
+        super().__init__(events, shown, freed)
         self._shortest_ns = round(_NS_PER_S / display.refresh_hz)
         self._longest_ns = max(round(_NS_PER_S / display.vrr_min_hz), self._shortest_ns)
-        self._pending: deque[int] = deque()
-        self._front = False
         self._last_ns = -self._shortest_ns
-
-    def offer(self, time_ns: int, frame: int) -> None:
-        """Show the frame as soon as the panel may start a refresh."""
-        self._pending.append(frame)
-        if len(self._pending) == 1:
-            self._schedule(time_ns)
 
     def _schedule(self, time_ns: int) -> None:
         repeats = max(0, (time_ns - self._last_ns - 1) // self._longest_ns)
@@ -139,12 +125,7 @@ class Vrr:
 
     def _refresh(self, time_ns: int, _subject: int) -> None:
         self._last_ns = time_ns
-        self._shown(time_ns, self._pending.popleft())
-        if self._pending:
-            self._schedule(time_ns)
-        if self._front:
-            self._freed(time_ns)
-        self._front = True
+        super()._refresh(time_ns, _subject)
 
 
 def make_screen(display: Display, events: EventQueue, shown: Shown, freed: Freed) -> Screen:

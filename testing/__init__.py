@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .budget import FrameBudget, assert_budget
     from .contract import CHECKS, CheckResult, check_policy
+    from .examples.strategies import hardware_profiles, scenes, traces, views
     from .parametrize import parametrize_with_checks, parametrize_with_properties
-    from .promise import CheckError, Promise
-    from .properties import (
+    from .promises.promise import CheckError, Promise
+    from .promises.properties import (
         PROPERTIES,
         budget_is_kept,
         lag_is_bounded,
@@ -22,8 +23,7 @@ if TYPE_CHECKING:
         order_does_not_matter,
         reset_forgets,
     )
-    from .property import Property, PropertyFailedError
-    from .strategies import hardware_profiles, scenes, traces, views
+    from .promises.property import Property, PropertyFailedError
 
 __all__ = [
     "CHECKS",
@@ -55,9 +55,9 @@ _MODULES = {
     "budget": ("FrameBudget", "assert_budget"),
     "contract": ("CHECKS", "CheckResult", "check_policy"),
     "parametrize": ("parametrize_with_checks", "parametrize_with_properties"),
-    "promise": ("CheckError", "Promise"),
-    "property": ("Property", "PropertyFailedError"),
-    "strategies": ("hardware_profiles", "scenes", "traces", "views"),
+    "promises.promise": ("CheckError", "Promise"),
+    "promises.property": ("Property", "PropertyFailedError"),
+    "examples.strategies": ("hardware_profiles", "scenes", "traces", "views"),
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -67,7 +67,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:
-        module = import_module(f".{_WHERE.get(name, 'properties')}", __name__)
+        module = import_module(f".{_WHERE.get(name, 'promises.properties')}", __name__)
     except ModuleNotFoundError as error:
         if error.name not in {"hypothesis", "pytest"}:
             raise

@@ -3,30 +3,15 @@
 from dataclasses import dataclass
 from unittest import SkipTest
 
-from . import agreement, claims
-from .example import Factory
-from .promise import CheckError, Promise, locate
+from .examples.example import Factory
+from .promises import agreement, claims
+from .promises.promise import CheckError, Promise, locate
 
-CHECKS: tuple[Promise, ...] = (
-    agreement.valid_selections,
-    agreement.empty_frames,
-    agreement.one_object,
-    agreement.next_to_no_budget,
-    agreement.everything_resident,
-    agreement.draws_what_is_resident,
-    agreement.two_instances_agree,
-    agreement.reset_forgets,
-    agreement.leaves_the_view_alone,
-    agreement.order_does_not_matter,
-    agreement.pickles,
-    agreement.parameters_round_trip,
-    claims.faulty_timings_never_raise_detail,
-    claims.budget_is_kept,
-    claims.lag_is_bounded,
-    claims.more_budget_is_never_worse,
-    claims.nothing_toggles_at_rest,
-    claims.load_steps_settle,
-    claims.hysteresis_holds,
+CHECKS = tuple(
+    value
+    for module in (agreement, claims)
+    for value in vars(module).values()
+    if isinstance(value, Promise)
 )
 """All promises, in the order in which they are checked."""
 

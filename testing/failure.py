@@ -11,9 +11,9 @@ from ..base.whole_file import write_whole
 from ..models.machine.profile_writer import write_profile
 from ..models.scene.scene_file import write_scene
 from ..traces.cameras.write_trace import write_trace
-from .example import Example, Factory
+from .examples.example import Example, Factory
 from .naming import name_policy
-from .promise import Failure
+from .promises.promise import Failure
 from .time_picture import draw_frame_times
 
 

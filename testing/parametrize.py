@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import pytest
 
 from .contract import CHECKS
-from .example import Factory
-from .promise import Promise
+from .examples.example import Factory
+from .promises.promise import Promise
 
 if TYPE_CHECKING:  # needs hypothesis, which checks do without
-    from .property import Property
+    from .promises.property import Property
 
 Kind = TypeVar("Kind", bound=Promise)
 
@@ -41,7 +41,7 @@ def parametrize_with_properties(
     The test takes `policy_factory` and `check_property` and calls
     ``check_property(policy_factory)``; there is no test of what a policy does not claim.
     """
-    from .properties import PROPERTIES
+    from .promises.properties import PROPERTIES
 
     chosen = PROPERTIES if properties is None else tuple(properties)
     pairs = [

@@ -15,7 +15,7 @@ from ...models.scene.scene_catalog import OpenedScene
 from ...policies.registry import parse_policy
 from ...render.gl.calibration import Calibration
 from ...render.gl.context import Device, Target, open_target
-from ...render.gl.image_comparison import Comparison, PictureFolder, PictureMachine
+from ...render.gl.image_comparison import PictureDifference, PictureFolder, PictureMachine
 from ...render.gl.opengl_machine import GlMachine
 from ...render.gl.recorder import check_policy, header_of, record
 from ...render.gl.renderer import Renderer
@@ -62,7 +62,7 @@ class Recorded:
     header: dict[str, str]
     columns: dict[str, NDArray[np.float64]]
     frames: FrameLog
-    pictures: tuple[Comparison, ...] = ()
+    pictures: tuple[PictureDifference, ...] = ()
 
 
 class Recorder:

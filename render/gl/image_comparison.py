@@ -18,7 +18,7 @@ _GAIN = 4  # by which the picture of differences is brightened
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class PictureDifference:
     """One frame, as drawn and in full detail.
 
     Attributes
@@ -56,7 +56,7 @@ def require_images() -> None:
 
 def compare_pictures(
     frame: int, trace_s: float, drawn: NDArray[np.uint8], full: NDArray[np.uint8]
-) -> Comparison:
+) -> PictureDifference:
     """Return how two (height, width, 3) pictures differ; both sides at least 7 pixels long."""
     from skimage import metrics
 
@@ -64,7 +64,7 @@ def compare_pictures(
     similar = float(measures.structural_similarity(full, drawn, channel_axis=2, data_range=255))
     gap = np.abs(full.astype(np.int16) - drawn.astype(np.int16))
     differing = float((gap.max(axis=2) > _VISIBLE).mean())
-    return Comparison(frame, trace_s, similar, float(gap.mean() / 255.0), differing)
+    return PictureDifference(frame, trace_s, similar, float(gap.mean() / 255.0), differing)
 
 
 class PictureMachine:
@@ -72,13 +72,13 @@ class PictureMachine:
 
     Attributes
     ----------
-    compared : list of Comparison
+    compared : list of PictureDifference
     """
 
     def __init__(self, machine: GlMachine, renderer: Renderer, pictures: PictureFolder) -> None:
         self._machine, self._renderer = machine, renderer
         self._pictures = pictures
-        self.compared: list[Comparison] = []
+        self.compared: list[PictureDifference] = []
 
     def begin(self) -> None:
         """Begin a frame."""

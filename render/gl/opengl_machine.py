@@ -13,7 +13,6 @@ from ...base.errors import InputError
 from ...models.machine.cost_terms.catalog import VIEW_TERMS
 from ...models.machine.frame_cost import view_units
 from ...models.scene.tree import Tree
-from ...policies.view import View
 from ...sim.simulated_machine import FrameTimes, Submitted
 from .context import Device
 from .draw_list import Counts, Frame, Picture
@@ -125,40 +124,21 @@ def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
 
     With `full` that is all candidates at their finest, at the full size of the picture.
     """
-    view, drawn = frame.view, frame.drawn
+    view, drawn, scene = frame.view, frame.drawn, frame.view.scene
     if full:
-        return _full_picture(view)
-    row = drawn.row
-    if drawn.fraction is not None:
-        row = row + np.round(drawn.fraction).astype(np.int64)
-    seen = view if drawn.ids is view.ids else view.at(drawn.ids)
-    scale, camera = frame.selection.render_scale, view.camera
+        seen, scale = view, 1.0
+        if not scene.flat:
+            seen = view.at(np.flatnonzero(view.state.inside & Tree(scene).leaf).astype(np.int32))
+        row = scene.types.levels.start[:-1][seen.type_index].astype(np.int64)
+    else:
+        seen = view if drawn.ids is view.ids else view.at(drawn.ids)
+        scale, row = frame.selection.render_scale, drawn.row
+        if drawn.fraction is not None:
+            row = row + np.round(drawn.fraction).astype(np.int64)
+    camera, centers_m = view.camera, view.state.centers_m
     size = (max(1, round(scale * camera.width_px)), max(1, round(scale * camera.height_px)))
-    return Picture(
-        camera,
-        view.state.centers_m,
-        drawn.ids,
-        row,
-        seen.distance_m,
-        view.time_ns * 1e-9,
-        size,
-    )
-
-
-def _full_picture(view: View) -> Picture:
-    scene, camera = view.scene, view.camera
-    seen = view
-    if not scene.flat:
-        seen = view.at(np.flatnonzero(view.state.inside & Tree(scene).leaf).astype(np.int32))
-    return Picture(
-        camera,
-        view.state.centers_m,
-        seen.ids,
-        scene.types.levels.start[:-1][seen.type_index].astype(np.int64),
-        seen.distance_m,
-        view.time_ns * 1e-9,
-        (camera.width_px, camera.height_px),
-    )
+    time_s = view.time_ns * 1e-9
+    return Picture(camera, centers_m, seen.ids, row, seen.distance_m, time_s, size)
 
 
 @contextmanager

@@ -33,8 +33,6 @@ _NOTHING = Extraction()
 class IndexSets:
     """Which index set each of N nodes owns and draws; empty for scenes without continuous types."""
 
-    __slots__ = ("_continuous", "_drawn_of", "_levels", "_owned")
-
     def __init__(self, scene: Scene) -> None:
         self._levels = scene.types.levels
         self._continuous = scene.continuous if self._levels.continuous.any() else None

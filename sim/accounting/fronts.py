@@ -15,8 +15,6 @@ from .switches import REVERSAL_NS, SwitchCounts
 class Fronts:
     """Which nodes of a tree were drawn in the last frame, and when each last gave way."""
 
-    __slots__ = ("_drawn", "_error_m", "_inside", "_switch_ns", "_tree", "_viewport_px")
-
     def __init__(self, tree: Tree, viewport_px: float) -> None:
         n = len(tree.scene)
         levels = tree.scene.types.levels

@@ -78,19 +78,6 @@ class Switches:
         Detail at which each node was last drawn, NaN before that.
     """
 
-    __slots__ = (
-        "_crossfade_ns",
-        "_detail",
-        "_error_m",
-        "_fade_end_ns",
-        "_fade_row",
-        "_from_row",
-        "_stamp",
-        "_switch_ns",
-        "_viewport_px",
-        "detail",
-    )
-
     def __init__(self, nodes: int, crossfade_ns: int, viewport_px: float) -> None:
         self._crossfade_ns = crossfade_ns
         self._viewport_px = viewport_px

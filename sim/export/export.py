@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...traces.logs.formats.capframex import write_capframex
-from ...traces.logs.formats.chrometrace import write_chrome_trace
 from ...traces.logs.presentmon_writer import write_presentmon
 from ...traces.logs.timings import FrameTimings, complete_timings
 from ..frame_log import FrameLog, LogHeader
+from .chrome_trace import write_chrome_trace
 from .trace_events import trace_events
 
 _NS_PER_MS, _NS_PER_S = 1e6, 1e9

@@ -9,8 +9,8 @@ dropped.  Arrows lead from a frame's input over its GPU work to its display.
 
 from collections.abc import Iterator
 
-from ...traces.logs.formats.chrometrace import Phase, TraceEvent
 from ..frame_log import FrameLog
+from .chrome_trace import Phase, TraceEvent
 
 _PID = 1
 _CPU, _GPU, _DISPLAY = 1, 2, 3

@@ -18,12 +18,9 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import BoolArray, FloatArray, frozen_array, require_finite
 from ...base.errors import InputError
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Above this cosine of half the turn (1.6 thousandths of a degree) slerp and lerp agree to the
 # last bit, and the sine in slerp's denominator would lose digits.
@@ -85,12 +82,14 @@ class CameraTrace:
     _rows: list[tuple[float, ...]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        count = np.size(self.time_s)
-        shapes = {"time_s": (count,), "position_m": (count, 3), "orientation_xyzw": (count, 4)}
-        for name, shape in shapes.items():
-            array = _read_only(getattr(self, name), np.float64, name, shape)
+        n = np.size(self.time_s)
+        if n == 0:
+            raise InputError("expected at least one sample, got none; give arrays of samples")
+        for name, shape in (("time_s", (n,)), ("position_m", (n, 3)), ("orientation_xyzw", (n, 4))):
+            array = frozen_array(getattr(self, name), np.float64, shape, name)
+            require_finite(array, name)
             object.__setattr__(self, name, array)
-        object.__setattr__(self, "cut", _read_only(self.cut, np.bool_, "cut", (count,)))
+        object.__setattr__(self, "cut", frozen_array(self.cut, np.bool_, (n,), "cut"))
         _check_rules(self)
         rows = np.hstack([self.position_m, self.orientation_xyzw]).tolist()
         object.__setattr__(self, "_times", self.time_s.tolist())
@@ -135,42 +134,6 @@ class CameraTrace:
             (u * x + t * nx, u * y + t * ny, u * z + t * nz),
             (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw),
         )
-
-    def poses_at(self, time_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Positions (m, 3) and orientations (m, 4) at m times; ``pose_at``, vectorised."""
-        times = np.clip(np.asarray(time_s, dtype=np.float64), 0.0, self.duration_s)
-        before = np.searchsorted(self.time_s, times, side="right") - 1
-        after = np.minimum(before + 1, len(self) - 1)
-        held = self.cut[after] | (after == before)
-        span = np.where(held, 1.0, self.time_s[after] - self.time_s[before])
-        t = np.where(held, 0.0, (times - self.time_s[before]) / span)[:, np.newaxis]
-        position = (1.0 - t) * self.position_m[before] + t * self.position_m[after]
-        first, second = self.orientation_xyzw[before], self.orientation_xyzw[after]
-        return position, _slerp(first, second, t)
-
-
-def _slerp(first: FloatArray, second: FloatArray, t: FloatArray) -> FloatArray:
-    cosine = np.sum(first * second, axis=1, keepdims=True)
-    near = np.abs(cosine) >= _NEARLY_EQUAL
-    angle = np.where(near, 1.0, np.arccos(np.minimum(np.abs(cosine), 1.0)))
-    a = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / np.sin(angle))
-    b = np.where(near, t, np.sin(t * angle) / np.sin(angle))
-    return a * first + np.where(cosine < 0.0, -b, b) * second
-
-
-def _read_only(
-    values: ArrayLike, dtype: type[np.generic], name: str, shape: tuple[int, ...]
-) -> NDArray[np.generic]:
-    array = np.array(values, dtype=dtype)
-    if array.shape != shape or array.size == 0:
-        raise InputError(
-            f"expected {name} of shape {shape} with at least one sample, got shape {array.shape}; "
-            "give arrays of equal length"
-        )
-    if not np.all(np.isfinite(array)):
-        raise InputError(f"expected finite {name}, got NaN or infinity; drop those samples")
-    array.flags.writeable = False
-    return array
 
 
 def _check_rules(trace: CameraTrace) -> None:

@@ -1,12 +1,16 @@
 """What the two native formats share: columns, schema name and the record beside the samples."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
+from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
 from ...base.strict_json import decode_json
 from .camera_trace import CameraTrace, Repair
+from .samples import trace_from_samples
 
 SCHEMA = "lodbench.trace/1"
 REQUIRED = ("time_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
@@ -19,10 +23,6 @@ class Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     origin_s: float = 0.0
     repairs: tuple[tuple[int, str], ...] = ()
-
-    def made_repairs(self) -> tuple[Repair, ...]:
-        """Repairs as a trace holds them."""
-        return tuple(Repair(count, what) for count, what in self.repairs)
 
 
 def encode_header(trace: CameraTrace) -> bytes:
@@ -45,9 +45,32 @@ def check_columns(columns: list[str], path: Path, line: int | None) -> None:
     """Raise `InputError` unless the columns are the required ones, once each, and maybe cut."""
     names = sorted(columns)
     if names not in (sorted(REQUIRED), sorted(COLUMNS)):
-        raise InputError(
+        message = (
             f"expected the columns {' '.join(REQUIRED)} and perhaps cut, got "
-            f"{' '.join(names)[:200] or 'none'}; rename or remove columns",
-            path=path,
-            line=line,
+            f"{' '.join(names)[:200] or 'none'}; rename or remove columns"
         )
+        raise InputError(message, path=path, line=line)
+
+
+def columns_of(trace: CameraTrace) -> dict[str, FloatArray | BoolArray]:
+    """Columns of a trace by their names."""
+    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
+    return dict(zip(COLUMNS, (*numbers.T.copy(), trace.cut), strict=True))
+
+
+def trace_of(
+    columns: Mapping[str, FloatArray], header: Header, path: Path, lines: Sequence[int]
+) -> CameraTrace:
+    """Trace of columns of numbers; raises as `trace_from_samples`."""
+    required = np.column_stack([columns[name] for name in REQUIRED])
+    return trace_from_samples(
+        header.name,
+        path,
+        lines,
+        time_s=required[:, 0],
+        position_m=required[:, 1:4],
+        orientation_xyzw=required[:, 4:8],
+        cut=columns["cut"] != 0.0 if "cut" in columns else None,
+        origin_s=header.origin_s,
+        repairs=tuple(Repair(count, what) for count, what in header.repairs),
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .camera_trace import FloatArray
+from ...base.arrays import FloatArray
 
 
 def look_along(heading_rad: ArrayLike, pitch_rad: ArrayLike) -> FloatArray:

@@ -3,12 +3,13 @@
 A scale multiplies distances and therefore speeds; turn rates and the cuts stay as they are.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .camera_trace import CameraTrace, FloatArray
+from .camera_trace import CameraTrace
 
 # Euler angles (degrees, about x then y) of the rotation that turns each axis up to +z.
 UP_AXES = {
@@ -62,15 +63,8 @@ def place(trace: CameraTrace, placement: Placement) -> CameraTrace:
     position, orientation = trace.position_m, trace.orientation_xyzw
     if placement.up != "z" or placement.yaw_deg != 0.0:
         position, orientation = _turn(trace, placement)
-    return CameraTrace(
-        trace.name,
-        trace.time_s,
-        position * placement.scale + np.array(placement.offset_m),
-        orientation,
-        trace.cut,
-        origin_s=trace.origin_s,
-        repairs=trace.repairs,
-    )
+    position = position * placement.scale + np.array(placement.offset_m)
+    return replace(trace, position_m=position, orientation_xyzw=orientation)
 
 
 def _turn(trace: CameraTrace, placement: Placement) -> tuple[FloatArray, FloatArray]:
@@ -107,15 +101,3 @@ def fit_placement(
     x, y = np.array(center_m[:2]) - scale * 0.5 * (low + high)[:2]
     z = center_m[2] + eye_height_m - scale * low[2]
     return Placement(scale=scale, offset_m=(float(x), float(y), float(z)))
-
-
-def fit_into(
-    trace: CameraTrace,
-    *,
-    center_m: tuple[float, float, float],
-    extent_m: tuple[float, float],
-    eye_height_m: float,
-) -> CameraTrace:
-    """Trace placed by `fit_placement`."""
-    fitted = fit_placement(trace, center_m=center_m, extent_m=extent_m, eye_height_m=eye_height_m)
-    return place(trace, fitted)

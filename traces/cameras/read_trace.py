@@ -6,7 +6,7 @@ from pathlib import Path
 from ...base.errors import InputError
 from ...base.registry import Registry
 from .camera_trace import CameraTrace
-from .text_lines import read_lines
+from .text_lines import first_data, read_lines
 from .trace_format import TraceFormat
 
 FORMATS: Registry[TraceFormat] = Registry(
@@ -71,12 +71,12 @@ def format_of(path: Path) -> str:
     for name in FORMATS:
         if FORMATS.find(name).recognises(lines):
             return name
-    shown = next((line for line in lines if not line.startswith("#")), "no data")[:60]
-    raise InputError(
+    shown = (first_data(lines) or "no data")[:60]
+    message = (
         f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "
-        "convert it to the native CSV, or name the format",
-        path=path,
+        "convert it to the native CSV, or name the format"
     )
+    raise InputError(message, path=path)
 
 
 def _head_lines(path: Path) -> list[str]:

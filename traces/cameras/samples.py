@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import BoolArray, FloatArray, refuse_rows
 from ...base.errors import InputError
-from .camera_trace import BoolArray, CameraTrace, FloatArray, Repair
+from .camera_trace import CameraTrace, Repair
 
 MIN_INTERVAL_S = 1e-9
 MAX_INTERVAL_S = 60.0
@@ -27,6 +28,7 @@ MAX_TIME_S = 1e12
 MAX_COORDINATE_M = 1e7
 ROUNDING = 1e-3
 MAX_NORM_ERROR = 0.1
+_SECONDS = "convert nanoseconds or milliseconds to seconds, or name the right format"
 
 
 def trace_from_samples(
@@ -86,24 +88,22 @@ def trace_from_samples(
 
 
 def _kept_samples(times: FloatArray, path: Path, lines: Sequence[int]) -> NDArray[np.intp]:
-    late = np.flatnonzero(np.abs(times) > MAX_TIME_S)
-    if late.size:
-        raise InputError(
-            f"expected times in seconds, got {times[late[0]]:.9g}; "
-            "convert nanoseconds or milliseconds to seconds, or name the right format",
-            path=path,
-            line=lines[int(late[0])],
-        )
+    refuse_rows(
+        np.abs(times) > MAX_TIME_S,
+        lambda row: f"expected times in seconds, got {times[row]:.9g}; {_SECONDS}",
+        path=path,
+        lines=lines,
+    )
     steps = np.diff(times)
-    backward = np.flatnonzero(steps < 0.0)
-    if backward.size:
-        at = int(backward[0]) + 1
-        raise InputError(
-            f"expected times in order, got {times[at]:.15g} after {times[at - 1]:.15g}; "
-            "sort the samples, or cut the file where the clock was set back",
-            path=path,
-            line=lines[at],
-        )
+    refuse_rows(
+        np.append(False, steps < 0.0),
+        lambda row: (
+            f"expected times in order, got {times[row]:.15g} after {times[row - 1]:.15g}; "
+            "sort the samples, or cut the file where the clock was set back"
+        ),
+        path=path,
+        lines=lines,
+    )
     return np.flatnonzero(np.append(True, steps > MIN_INTERVAL_S))
 
 
@@ -112,33 +112,33 @@ def _check_units(
 ) -> None:
     interval_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     if interval_s > MAX_INTERVAL_S:
-        raise InputError(
-            f"expected times in seconds, got {interval_s:.3g} between samples; "
-            "convert nanoseconds or milliseconds to seconds, or name the right format",
-            path=path,
-        )
-    far = np.flatnonzero(np.any(np.abs(positions) > MAX_COORDINATE_M, axis=1))
-    if far.size:
-        raise InputError(
+        message = f"expected times in seconds, got {interval_s:.3g} between samples; {_SECONDS}"
+        raise InputError(message, path=path)
+    farthest = np.abs(positions).max(axis=1)
+    refuse_rows(
+        farthest > MAX_COORDINATE_M,
+        lambda row: (
             f"expected positions in metres within {MAX_COORDINATE_M:.0e}, "
-            f"got {np.abs(positions[far[0]]).max():.3g}; subtract an origin or convert the unit",
-            path=path,
-            line=lines[int(far[0])],
-        )
+            f"got {farthest[row]:.3g}; subtract an origin or convert the unit"
+        ),
+        path=path,
+        lines=lines,
+    )
 
 
 def _unit(quaternions: FloatArray, path: Path, lines: Sequence[int]) -> tuple[FloatArray, int]:
     # What is clipped is refused, and must not overflow.
     norm: FloatArray = np.linalg.norm(np.clip(quaternions, -2.0, 2.0), axis=1)
     error: FloatArray = np.abs(norm - 1.0)
-    wrong = np.flatnonzero(error > MAX_NORM_ERROR)
-    if wrong.size:
-        raise InputError(
-            f"expected a unit quaternion, got one of norm {hypot(*quaternions[wrong[0]]):.6g}; "
-            "check the order of the columns",
-            path=path,
-            line=lines[int(wrong[0])],
-        )
+    refuse_rows(
+        error > MAX_NORM_ERROR,
+        lambda row: (
+            f"expected a unit quaternion, got one of norm {hypot(*quaternions[row]):.6g}; "
+            "check the order of the columns"
+        ),
+        path=path,
+        lines=lines,
+    )
     # What is unit to the last bit stays as it is, so that writing and reading change nothing.
     norm[error < 1e-15] = 1.0
     return quaternions / norm[:, np.newaxis], int(np.sum(error > ROUNDING))

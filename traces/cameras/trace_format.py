@@ -37,8 +37,7 @@ class TraceFormat:
 def refuse_selector(selector: str | None, path: Path, name: str) -> None:
     """Raise `InputError` if a selector was given to a format that holds one trace a file."""
     if selector is not None:
-        raise InputError(
-            f"expected no selector, since a {name} file holds one trace, got #{selector}; "
-            "remove it",
-            path=path,
+        message = (
+            f"expected no selector, since a {name} file holds one trace, got #{selector}; remove it"
         )
+        raise InputError(message, path=path)

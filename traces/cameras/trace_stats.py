@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .camera_trace import CameraTrace, FloatArray
+from ...base.arrays import FloatArray
+from .camera_trace import CameraTrace
 from .orientation import turn_deg
 
 # An interval longer than this many median intervals is a gap.

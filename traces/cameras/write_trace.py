@@ -44,8 +44,8 @@ def format_for_writing(path: Path, format_name: str | None = None) -> str:
         if path.suffix.lower() in candidate.suffixes:
             return name
     suffixes = [suffix for known in writable.values() for suffix in known.suffixes]
-    raise InputError(
+    message = (
         f"expected a name that ends in {', '.join(suffixes)}, got {path.name!r}; "
-        "change the name or name the format",
-        path=path,
+        "change the name or name the format"
     )
+    raise InputError(message, path=path)

@@ -6,13 +6,14 @@ from math import log
 
 import numpy as np
 
-from .log_columns import MS_PER, Column
-from .render_log import TIMES, FloatArray, RenderLog
+from ...base.arrays import FloatArray
+from .log_columns import MS_PER, LogColumn
+from .render_log import TIMES, RenderLog
 
 
 def build_log(
     values: FloatArray,
-    columns: Sequence[Column],
+    columns: Sequence[LogColumn],
     *,
     name: str,
     log_format: str,
@@ -58,7 +59,7 @@ def build_log(
     )
 
 
-def _stated(column: Column) -> str:
+def _stated(column: LogColumn) -> str:
     return column.unit or "ms, since its name has no unit"
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .render_log import TIMES, FloatArray, RenderLog, TimeName
+from ...base.arrays import FloatArray
+from .render_log import TIMES, RenderLog, TimeName
 
 # Refresh rates of displays in use, and half of them, at which frames that take two refreshes come.
 REFRESH_HZ = (24, 25, 30, 36, 40, 45, 48, 50, 60, 72, 75, 80, 90, 100, 120, 144, 165, 240, 360)
@@ -51,12 +52,19 @@ class Finding:
 
 def check_log(log: RenderLog) -> tuple[Finding, ...]:
     """Return what is wrong with a log, times in the order of `TIMES`, then the log as a whole."""
-    found: list[Finding | None] = []
-    for name in TIMES:
-        if name in log.times:
-            found += [check(log, name) for check in _CHECKS_OF_TIMES]
-    found += [check(log) for check in _CHECKS_OF_LOGS]
-    return tuple(finding for finding in found if finding is not None)
+    of_times = [
+        Finding(kind, name, refuse, message)
+        for name in TIMES
+        if name in log.times
+        for kind, refuse, check in _CHECKS_OF_TIMES
+        if (message := check(log, name))
+    ]
+    of_log = [
+        Finding(kind, "", refuse, message)
+        for kind, refuse, check in _CHECKS_OF_LOGS
+        if (message := check(log))
+    ]
+    return (*of_times, *of_log)
 
 
 def capped_at_hz(time_ms: FloatArray) -> float | None:
@@ -96,22 +104,19 @@ def _locked_hz(presented_s: FloatArray, rate: float) -> float | None:
     return best_hz if best >= _LOCKED else None
 
 
-def _capped(log: RenderLog, name: TimeName) -> Finding | None:
+def _capped(log: RenderLog, name: TimeName) -> str | None:
     rate = capped_at_hz(log.time(name))
     if rate is None:
         return None
     busy = [other for other in ("gpu_ms", "cpu_ms") if other in log.times and other != name]
     advice = f"fit {' or '.join(busy)}" if busy else "log a busy time, or switch the cap off"
-    return Finding(
-        "capped",
-        name,
-        True,
+    return (
         f"{name} is tied to a clock of {rate:.4g} Hz (a refresh or a frame cap), so it carries no "
-        f"cost; {advice}",
+        f"cost; {advice}"
     )
 
 
-def _stale(log: RenderLog, name: TimeName) -> Finding | None:
+def _stale(log: RenderLog, name: TimeName) -> str | None:
     time = log.time(name)
     time = time[np.isfinite(time) & (time > 0.0)]
     if len(time) < _ENOUGH_FRAMES:
@@ -124,36 +129,31 @@ def _stale(log: RenderLog, name: TimeName) -> Finding | None:
     nearly = np.count_nonzero((step > 0.0) & (step < 2.5 * least)) / len(step)
     if repeats <= max(_STALE, nearly):
         return None
-    message = (
+    return (
         f"{name} repeats the value before in {repeats:.0%} of frames: read-back is late, so rows "
         "pair a time with another frame's predictors; average over some frames, or log later"
     )
-    return Finding("stale", name, False, message)
 
 
-def _unmeasured(log: RenderLog, name: TimeName) -> Finding | None:
+def _unmeasured(log: RenderLog, name: TimeName) -> str | None:
     time = log.time(name)
     bad = float(np.mean(~(time > 0.0)))
     if bad <= 0.5:
         return None
-    message = (
-        f"{name} is missing, zero or negative in {bad:.0%} of frames: the tool did not have it"
-    )
-    return Finding("unmeasured", name, True, message)
+    return f"{name} is missing, zero or negative in {bad:.0%} of frames: the tool did not have it"
 
 
-def _software_timer(log: RenderLog, name: TimeName) -> Finding | None:
+def _software_timer(log: RenderLog, name: TimeName) -> str | None:
     renderer = " ".join(value for _, value in log.header).lower()
     if name != "gpu_ms" or not any(software in renderer for software in _SOFTWARE):
         return None
-    message = (
+    return (
         "gpu_ms is a software rasteriser's timer query, which ends before rasterisation does; "
         "fit frame_ms"
     )
-    return Finding("software-timer", name, True, message)
 
 
-def _sampled(log: RenderLog) -> Finding | None:
+def _sampled(log: RenderLog) -> str | None:
     if log.time_s is None or log.frame_ms is None:
         return None
     good = np.isfinite(log.time_s) & (log.frame_ms > 0.0) & (log.frame_ms < _SLOWEST_MS)
@@ -161,28 +161,26 @@ def _sampled(log: RenderLog) -> Finding | None:
     span = float(clock[-1] - clock[0]) if len(clock) > 1 else 0.0
     if span <= 0.0 or total_s >= _COVERED * span:
         return None
-    message = (
+    return (
         f"frame times add up to {total_s / span:.1%} of the elapsed {span:.4g} s: the log is "
         "sampled, so successive rows are not successive frames; log every frame"
     )
-    return Finding("sampled", "", False, message)
 
 
-def _backwards(log: RenderLog) -> Finding | None:
+def _backwards(log: RenderLog) -> str | None:
     if log.time_s is None:
         return None
     clock = log.time_s[np.isfinite(log.time_s)]
     back = int((clock[1:] < clock[:-1]).sum())
     if back == 0:
         return None
-    message = (
+    return (
         f"time runs backwards {back} times: several captures, processes or swap chains in one "
         "file; split it"
     )
-    return Finding("backwards", "", False, message)
 
 
-def _still(log: RenderLog) -> Finding | None:
+def _still(log: RenderLog) -> str | None:
     if not log.predictors or len(log) < 2:
         return None
     counts = log.counts[np.isfinite(log.counts).all(axis=1)]
@@ -193,17 +191,21 @@ def _still(log: RenderLog) -> Finding | None:
         varied = counts.std(axis=0)[mean > 0.0] / mean[mean > 0.0]
     if not len(varied) or not varied.max() < _STILL:
         return None
-    message = (
+    return (
         f"no predictor varies by more than {varied.max():.1%}: the view stands still, and cost "
         "cannot be told apart from set-up; log a walk through different views"
     )
-    return Finding("still", "", True, message)
 
 
-_CHECKS_OF_TIMES: tuple[Callable[[RenderLog, TimeName], Finding | None], ...] = (
-    _capped,
-    _stale,
-    _unmeasured,
-    _software_timer,
+# Kind, whether it refuses, and the check, which returns the message if there is one.
+_CHECKS_OF_TIMES: tuple[tuple[str, bool, Callable[[RenderLog, TimeName], str | None]], ...] = (
+    ("capped", True, _capped),
+    ("stale", False, _stale),
+    ("unmeasured", True, _unmeasured),
+    ("software-timer", True, _software_timer),
 )
-_CHECKS_OF_LOGS: tuple[Callable[[RenderLog], Finding | None], ...] = (_sampled, _backwards, _still)
+_CHECKS_OF_LOGS: tuple[tuple[str, bool, Callable[[RenderLog], str | None]], ...] = (
+    ("sampled", False, _sampled),
+    ("backwards", False, _backwards),
+    ("still", True, _still),
+)

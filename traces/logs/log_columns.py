@@ -53,7 +53,7 @@ for _name in COUNTS:
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class LogColumn:
     """A column of a log under the name that lodbench gives it.
 
     `unit` is of times only: "ns", "us", "ms", "s", or "" where the name of the column has none.
@@ -72,7 +72,7 @@ def find_columns(
     path: Path,
     line: int | None,
     twins: bool = False,
-) -> tuple[tuple[Column, ...], tuple[str, ...]]:
+) -> tuple[tuple[LogColumn, ...], tuple[str, ...]]:
     """Return the columns of a log that are known or mapped, and notes on what was left aside.
 
     `line` is that of the header; `twins` says that a tool repeats names, so that the first of a
@@ -82,7 +82,7 @@ def find_columns(
     twice, or none holds a time.
     """
     _require_known(mapping or {}, header, path, line)
-    found: list[Column] = []
+    found: list[LogColumn] = []
     notes: list[str] = []
     keys = [_keys(name) for name in header]
     for name, aliases in ALIASES.items():
@@ -98,7 +98,7 @@ def find_columns(
             message = f"expected one column {source}, got {header.count(source)}"
             raise InputError(f"{message}; rename or remove one", path=path, line=line)
         unit = unit_of(source) if name in (*TIMES, "time_s") else ""
-        found.append(Column(name, header.index(source), source, unit))
+        found.append(LogColumn(name, header.index(source), source, unit))
         if len(sources) > 1:
             notes.append(f"{name} is {source}; {', '.join(sources[1:])} left aside")
     found += _of_types(header)
@@ -109,10 +109,10 @@ def find_columns(
     return tuple(found), tuple(notes)
 
 
-def _of_types(header: Sequence[str]) -> list[Column]:
+def _of_types(header: Sequence[str]) -> list[LogColumn]:
     """Return columns that hold one type's part of a count, such as ``triangles[tree]``."""
     return [
-        Column(name, index, name, "")
+        LogColumn(name, index, name, "")
         for index, name in enumerate(header)
         if name.endswith("]") and name.partition("[")[0] in COUNTS and header.count(name) == 1
     ]

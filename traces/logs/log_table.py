@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.text_file import read_text
-from .render_log import FloatArray
 
 # What tools write where they measured nothing; a 0 is a number here and judged later.
 MISSING = ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "-")
@@ -56,11 +56,8 @@ class LogTable:
             for; or if there are no rows.
         """
         if not self.body.strip():
-            raise InputError(
-                "expected rows below the header, got none; was the capture stopped at once?",
-                path=self.path,
-                line=max(self.first_line - 1, 1),
-            )
+            message = "expected rows below the header, got none; was the capture stopped at once?"
+            raise InputError(message, path=self.path, line=max(self.first_line - 1, 1))
         fast = None if self.ragged else arrow_numbers(self, columns)
         return exact_numbers(self, columns) if fast is None else fast
 
@@ -184,12 +181,11 @@ def exact_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray:
             if number is None:
                 comma = re.fullmatch(r"\s*-?\d+,\d+\s*", field)
                 hint = "it has a decimal comma: export with a point" if comma else "correct it"
-                raise InputError(
+                message = (
                     f"expected a number in column {table.header[column]}, got {field[:40]!r}; "
-                    f"{hint}",
-                    path=table.path,
-                    line=line,
+                    f"{hint}"
                 )
+                raise InputError(message, path=table.path, line=line)
             values.append(number)
     return np.array(values, dtype=np.float64).reshape(-1, len(columns))
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .render_log import FloatArray, RenderLog
+from ...base.arrays import FloatArray
+from .render_log import RenderLog
 from .timings import FrameTimings
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.parquet_file import write_columns
 from ...base.whole_file import whole_file, whole_text_file
 from ...base.whole_folder import require_writable
 from .formats.log_parquet import HEADER_KEY
@@ -17,10 +18,10 @@ _SUFFIXES = (".parquet", ".csv")
 def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
     """Raise InputError unless the path is one that `write_log`, or who writes these, can write."""
     if path.suffix not in suffixes or path.is_dir() or not path.absolute().parent.is_dir():
-        raise InputError(
-            f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path",
-            path=path,
+        message = (
+            f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path"
         )
+        raise InputError(message, path=path)
     require_writable(path.parent)
 
 
@@ -42,18 +43,10 @@ def write_log(path: Path, columns: Mapping[str, NDArray[Any]], header: Mapping[s
     check_log_path(path)
     comment = "; ".join(f"{name}: {header_text(value)}" for name, value in header.items())
     if path.suffix == ".parquet":
-        _write_parquet(path, columns, comment)
+        with whole_file(path) as partial:
+            write_columns(partial, columns, {HEADER_KEY: comment})
         return
     with whole_text_file(path) as file:
         file.write(f"# {comment}\n{','.join(columns)}\n")
         for row in zip(*(column.tolist() for column in columns.values()), strict=True):
             file.write(",".join(f"{value:.10g}" for value in row) + "\n")
-
-
-def _write_parquet(path: Path, columns: Mapping[str, NDArray[Any]], comment: str) -> None:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    table = pa.table(dict(columns), metadata={HEADER_KEY: comment.encode()})
-    with whole_file(path) as partial:
-        parquet.write_table(table, partial, compression="zstd")

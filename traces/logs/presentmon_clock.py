@@ -11,9 +11,9 @@ from datetime import date
 
 import numpy as np
 
+from ...base.arrays import FloatArray, refuse_rows
 from ...base.errors import InputError
 from .log_table import LogTable
-from .timings import FloatArray
 
 # Seconds in a unit; None for ticks of the performance counter.
 _PRESENT_CLOCKS: dict[str, float | None] = {
@@ -45,11 +45,10 @@ def present_clock(
     clocks = {**_PRESENT_CLOCKS, **_CPU_CLOCKS}
     name = next((name for name in clocks if name in names), None)
     if name is None:
-        raise InputError(
-            f"expected a column with the time ({', '.join(clocks)}), got none; capture with one",
-            path=table.path,
-            line=table.first_line - 1,
+        message = (
+            f"expected a column with the time ({', '.join(clocks)}), got none; capture with one"
         )
+        raise InputError(message, path=table.path, line=table.first_line - 1)
     at_present = name in _PRESENT_CLOCKS
     clock = _read(table, names.index(name), rows)
     unit_s = clocks[name]
@@ -79,10 +78,8 @@ def _tick_s(clock: FloatArray, interval_ms: FloatArray, table: LogTable) -> floa
     if len(clock) == 1:
         return 0.0  # one row, at 0
     if ratios.size == 0:
-        raise InputError(
-            "expected frame times beside the ticks of the clock, got none; use --date_time",
-            path=table.path,
-        )
+        message = "expected frame times beside the ticks of the clock, got none; use --date_time"
+        raise InputError(message, path=table.path)
     return float(np.median(ratios)) / 1e3
 
 
@@ -111,19 +108,18 @@ def _date_ns(text: str) -> int | None:
 
 
 def _require_order(time_s: FloatArray, table: LogTable, lines: Sequence[int]) -> None:
-    missing = np.flatnonzero(~np.isfinite(time_s))
-    if missing.size:
-        raise InputError(
-            "expected a time in each row, got none; correct or remove the row",
-            path=table.path,
-            line=lines[int(missing[0])],
-        )
-    backward = np.flatnonzero(np.diff(time_s) < 0.0)
-    if backward.size:
-        row = int(backward[0]) + 1
-        raise InputError(
+    refuse_rows(
+        ~np.isfinite(time_s),
+        lambda _: "expected a time in each row, got none; correct or remove the row",
+        path=table.path,
+        lines=lines,
+    )
+    refuse_rows(
+        np.append(False, np.diff(time_s) < 0.0),
+        lambda row: (
             f"expected times that never decrease, got {time_s[row]:.9g} s after "
-            f"{time_s[row - 1]:.9g} s; sort the rows of each swap chain by time",
-            path=table.path,
-            line=lines[row],
-        )
+            f"{time_s[row - 1]:.9g} s; sort the rows of each swap chain by time"
+        ),
+        path=table.path,
+        lines=lines,
+    )

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...base.whole_file import whole_text_file
-from .timings import FloatArray, FrameTimings
+from .timings import FrameTimings
 
 _MISSING = "NA"
 
@@ -52,14 +53,15 @@ def _columns(timings: FrameTimings) -> dict[str, list[str]]:
     nothing = np.full(len(timings), np.nan)
     gpu_wait = timings.gpu_time_ms - timings.gpu_busy_ms
     animation_ms = np.where(timings.dropped, np.nan, timings.cpu_start_s * 1e3)
-    seconds = {"TimeInSeconds": timings.present_s, "CPUStartTimeInSeconds": timings.cpu_start_s}
-    milliseconds = {
+    columns = {
+        "TimeInSeconds": timings.present_s,
         "MsBetweenSimulationStart": nothing,
         "MsBetweenPresents": timings.between_presents_ms,
         "MsBetweenDisplayChange": timings.between_display_change_ms,
         "MsInPresentAPI": timings.in_present_ms,
         "MsRenderPresentLatency": timings.until_render_complete_ms,
         "MsUntilDisplayed": timings.until_displayed_ms,
+        "CPUStartTimeInSeconds": timings.cpu_start_s,
         "MsBetweenAppStart": timings.frame_ms,
         "MsCPUBusy": timings.cpu_busy_ms,
         "MsCPUWait": timings.in_present_ms,
@@ -73,33 +75,10 @@ def _columns(timings: FrameTimings) -> dict[str, list[str]]:
         "MsAllInputToPhotonLatency": timings.input_to_photon_ms,
         "MsClickToPhotonLatency": nothing,
     }
-    written = {name: _texts(values, 9) for name, values in seconds.items()}
-    written |= {name: _texts(values, 6) for name, values in milliseconds.items()}
-    return {name: written[name] for name in _ORDER}
-
-
-_ORDER = (
-    "TimeInSeconds",
-    "MsBetweenSimulationStart",
-    "MsBetweenPresents",
-    "MsBetweenDisplayChange",
-    "MsInPresentAPI",
-    "MsRenderPresentLatency",
-    "MsUntilDisplayed",
-    "CPUStartTimeInSeconds",
-    "MsBetweenAppStart",
-    "MsCPUBusy",
-    "MsCPUWait",
-    "MsGPULatency",
-    "MsGPUTime",
-    "MsGPUBusy",
-    "MsGPUWait",
-    "MsAnimationError",
-    "AnimationTime",
-    "MsFlipDelay",
-    "MsAllInputToPhotonLatency",
-    "MsClickToPhotonLatency",
-)
+    return {
+        name: _texts(values, 9 if name.endswith("InSeconds") else 6)
+        for name, values in columns.items()
+    }
 
 
 def _texts(values: FloatArray, digits: int) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, frozen_array
 from ...base.errors import InputError
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
@@ -72,12 +72,12 @@ class RenderLog:
 
     def __post_init__(self) -> None:
         frames, width = len(self.counts), len(self.predictors)
-        put = object.__setattr__
-        put(self, "counts", _read_only(self.counts, (frames, width), "counts"))
-        for name in (*TIMES, "time_s"):
+        shapes = {"counts": (frames, width), **dict.fromkeys((*TIMES, "time_s"), (frames,))}
+        for name, shape in shapes.items():
             values = getattr(self, name)
             if values is not None:
-                put(self, name, _read_only(values, (frames,), name))
+                frozen = frozen_array(values, np.float64, shape, f"render log {name}")
+                object.__setattr__(self, name, frozen)
         unknown = [name for name in self.predictors if name.partition("[")[0] not in COUNTS]
         if unknown or len(set(self.predictors)) != width:
             raise InputError(f"render log: expected distinct known predictors, got {unknown}")
@@ -117,14 +117,6 @@ class RenderLog:
                 f"{have}; map the columns that hold them, or fit fewer terms"
             )
         return self.counts[:, [self.predictors.index(name) for name in names]]
-
-
-def _read_only(values: FloatArray, shape: tuple[int, ...], name: str) -> FloatArray:
-    array = np.array(values, dtype=np.float64)
-    if array.shape != shape:
-        raise InputError(f"render log {name}: expected shape {shape}, got {array.shape}")
-    array.flags.writeable = False
-    return array
 
 
 def measurable(

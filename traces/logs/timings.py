@@ -7,15 +7,12 @@ computed where the definitions give it from others, and is NaN where they do not
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...base.arrays import BoolArray, FloatArray, frozen_array
 from ...base.errors import InputError
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _CONSECUTIVE_MS = 0.05
 """Two rows are successive presents if their times differ by ``MsBetweenPresents`` this closely."""
@@ -69,18 +66,16 @@ class FrameTimings:
     displayed_ms: FloatArray
     animation_error_ms: FloatArray
     input_to_photon_ms: FloatArray
-    header: tuple[tuple[str, str], ...] = field(default=())
-    notes: tuple[str, ...] = field(default=())
+    header: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         rows = len(self.present_s)
         if rows == 0:
             raise InputError("expected at least one frame, got none")
         for name in (*_COLUMNS, "dropped"):
-            array = np.array(getattr(self, name), dtype=bool if name == "dropped" else np.float64)
-            if array.shape != (rows,):
-                raise InputError(f"expected {name} of shape ({rows},), got {array.shape}")
-            array.flags.writeable = False
+            dtype = np.bool_ if name == "dropped" else np.float64
+            array = frozen_array(getattr(self, name), dtype, (rows,), name)
             object.__setattr__(self, name, array)
         if not np.all(np.isfinite(self.present_s)) or np.any(np.diff(self.present_s) < 0.0):
             raise InputError("expected present_s to be finite and never to decrease")

@@ -1,18 +1,20 @@
 """Trace events: what Perfetto shows of a run."""
 
+import json
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
+import msgspec
 import numpy as np
 import pytest
 
 from lodbench.models.machine.hardware import DisplayMode
+from lodbench.sim.export.chrome_trace import TraceEvent
 from lodbench.sim.export.export import EXPORTS
 from lodbench.sim.export.trace_events import trace_events
 from lodbench.sim.frame_log import COUNTS, FrameLog
-from lodbench.traces.logs.formats.chrometrace import TraceEvent, read_chrome_trace
 
 CPU, GPU, DISPLAY = 1, 2, 3
 Replay = Callable[..., FrameLog]
@@ -64,7 +66,8 @@ def test_written_trace_is_what_perfetto_reads(
     """Names, phases and fields are those of the format, in each display mode."""
     log = run_pipeline(mode, frames=120)
     EXPORTS["chrome-trace"].write(log, tmp_path / "run.json")
-    events = read_chrome_trace(tmp_path / "run.json")
+    document = json.loads((tmp_path / "run.json").read_text())
+    events = msgspec.convert(document["traceEvents"], tuple[TraceEvent, ...])
     names = {
         (event.name, event.tid): (event.args or {}).get("name")
         for event in events

@@ -10,7 +10,7 @@ from lodbench.base.errors import InputError
 from lodbench.traces.cameras.camera_trace import CameraTrace
 from lodbench.traces.cameras.generators.generate import generate
 from lodbench.traces.cameras.orientation import view_direction
-from lodbench.traces.cameras.place import Placement, fit_into, fit_placement, place
+from lodbench.traces.cameras.place import Placement, fit_placement, place
 from lodbench.traces.cameras.trace_stats import trace_stats
 
 
@@ -85,7 +85,10 @@ def test_fit_fills_the_tighter_side_and_stands_on_the_ground() -> None:
     quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
     positions = np.array([[0.0, 0.0, 1.0], [10.0, 4.0, 3.0], [5.0, 2.0, 2.0]])
     trace = CameraTrace("t", np.arange(3.0), positions, quaternions, np.zeros(3, bool))
-    placed = fit_into(trace, center_m=(100.0, 200.0, 50.0), extent_m=(20.0, 20.0), eye_height_m=1.6)
+    fitted = fit_placement(
+        trace, center_m=(100.0, 200.0, 50.0), extent_m=(20.0, 20.0), eye_height_m=1.6
+    )
+    placed = place(trace, fitted)
     expected = [[90.0, 196.0, 51.6], [110.0, 204.0, 55.6], [100.0, 200.0, 53.6]]
     assert np.allclose(placed.position_m, expected)
 

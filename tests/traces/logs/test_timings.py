@@ -67,5 +67,5 @@ def test_inconsistent_columns_are_refused(
 def test_columns_of_unequal_length_are_refused() -> None:
     """Every column has a value for each frame."""
     timings = made([False, False], present_s=np.array([0.0, 0.1]))
-    with pytest.raises(InputError, match=r"expected frame_ms of shape \(2,\), got \(1,\)"):
+    with pytest.raises(InputError, match=r"frame_ms: expected shape \(2,\), got \(1,\)"):
         replace(timings, frame_ms=np.zeros(1))

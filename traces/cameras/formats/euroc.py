@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..samples import trace_from_samples
-from ..text_lines import data_lines, parse_numbers
+from ..text_lines import data_lines, first_data, parse_numbers
 from ..trace_format import TraceFormat, refuse_selector
 
 COLUMNS = ("p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z")
@@ -51,12 +52,11 @@ def read_euroc(path: Path, selector: str | None = None) -> CameraTrace:
 def _nanoseconds(field: str, path: Path, line: int) -> int:
     text = field.strip()
     if not (text.isascii() and text.isdigit() and len(text) <= 19):
-        raise InputError(
+        message = (
             f"expected a timestamp in whole nanoseconds, got {text[:40]!r}; "
-            "correct or remove the row",
-            path=path,
-            line=line,
+            "correct or remove the row"
         )
+        raise InputError(message, path=path, line=line)
     return int(text)
 
 
@@ -71,8 +71,8 @@ def _camera_from_body(orientation_xyzw: FloatArray) -> FloatArray:
 def _recognises(head: list[str]) -> bool:
     if head and head[0].startswith("#timestamp") and "," in head[0]:
         return True
-    data = [line.split(",") for line in head if not line.startswith("#")]
-    return bool(data) and len(data[0]) >= 8 and data[0][0].isdigit() and len(data[0][0]) > 15
+    stamp, *numbers = first_data(head).split(",")
+    return len(numbers) >= 7 and stamp.isdigit() and len(stamp) > 15
 
 
 FORMAT = TraceFormat(

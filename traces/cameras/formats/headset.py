@@ -19,8 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..samples import trace_from_samples
 from ..text_lines import data_lines, parse_numbers
 from ..trace_format import TraceFormat
@@ -65,12 +66,11 @@ def _rows(path: Path) -> Iterator[tuple[int, str, list[float]]]:
     for line, text in numbered:
         fields = text.split(",")
         if len(fields) != len(header):
-            raise InputError(
+            message = (
                 f"expected {len(header)} columns as in the header, got {len(fields)}; "
-                "complete or remove the row",
-                path=path,
-                line=line,
+                "complete or remove the row"
             )
+            raise InputError(message, path=path, line=line)
         *numbers, participant, sequence = (fields[column].strip() for column in columns)
         values = parse_numbers(numbers, NUMBERS, path=path, line=line)
         yield line, f"{participant}/{sequence}", values
@@ -78,11 +78,8 @@ def _rows(path: Path) -> Iterator[tuple[int, str, list[float]]]:
 
 def _column(header: list[str], name: str, path: Path, line: int) -> int:
     if header.count(name) != 1:
-        raise InputError(
-            f"expected one column {name}, got {header.count(name)}; name the right format",
-            path=path,
-            line=line,
-        )
+        message = f"expected one column {name}, got {header.count(name)}; name the right format"
+        raise InputError(message, path=path, line=line)
     return header.index(name)
 
 
@@ -97,11 +94,11 @@ def _choose(keys: list[str], selector: str | None, path: Path) -> str:
     choices = fitting or keys
     shown = ", ".join(choices[:6]) + (f", … ({len(choices)} in all)" if len(choices) > 6 else "")
     got = "no choice" if selector is None else f"#{selector}, which fits {len(fitting)} of them"
-    raise InputError(
+    message = (
         f"expected a choice of one of {shown}, got {got}; "
-        f"name it after #, as in {path.name}#{choices[0]}, or take {path.name}#first",
-        path=path,
+        f"name it after #, as in {path.name}#{choices[0]}, or take {path.name}#first"
     )
+    raise InputError(message, path=path)
 
 
 def _camera_from_unity(euler_deg: FloatArray) -> FloatArray:

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import FloatArray, refuse_rows
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, FloatArray, Repair
+from ..camera_trace import CameraTrace, Repair
 from ..orientation import camera_from_optical
 from ..samples import MAX_NORM_ERROR, ROUNDING, trace_from_samples
-from ..text_lines import data_lines, parse_numbers
+from ..text_lines import data_lines, first_data, read_rows
 from ..trace_format import TraceFormat
 
 COLUMNS = tuple(f"m{row}{column}" for row in range(3) for column in range(4))
@@ -30,12 +31,8 @@ def read_kitti(path: Path, selector: str | None = None) -> CameraTrace:
     Raises `InputError` if a row has not 12 finite numbers, a matrix is no rotation, or there are no
     times or not as many as poses; or as `trace_from_samples`.
     """
-    lines: list[int] = []
-    rows: list[list[float]] = []
-    for line, text in data_lines(path):
-        rows.append(parse_numbers(text.split(), COLUMNS, path=path, line=line))
-        lines.append(line)
-    matrices = np.array(rows).reshape(-1, 3, 4)
+    lines, table = read_rows(data_lines(path), COLUMNS, path)
+    matrices = table.reshape(-1, 3, 4)
     rotations, projected = _nearest_rotations(matrices[:, :, :3], path, lines)
     from scipy.spatial.transform import Rotation
 
@@ -59,24 +56,21 @@ def _times_path(path: Path, selector: str | None) -> Path:
         if candidate.is_file():
             return candidate
     names = " or ".join(candidate.name for candidate in candidates)
-    raise InputError(
+    message = (
         f"expected the times of the poses in {names} beside it, got neither; "
-        f"name the file after #, as in {path.name}#FILE",
-        path=path,
+        f"name the file after #, as in {path.name}#FILE"
     )
+    raise InputError(message, path=path)
 
 
-def _read_times(path: Path, poses: Path, count: int) -> list[float]:
-    times = [
-        parse_numbers(text.split(), ("time",), path=path, line=line)[0]
-        for line, text in data_lines(path)
-    ]
+def _read_times(path: Path, poses: Path, count: int) -> FloatArray:
+    times = read_rows(data_lines(path), ("time",), path)[1][:, 0]
     if len(times) != count:
-        raise InputError(
+        message = (
             f"expected {count} times, one for each pose of {poses.name}, got {len(times)}; "
-            "give the file that belongs to it",
-            path=path,
+            "give the file that belongs to it"
         )
+        raise InputError(message, path=path)
     return times
 
 
@@ -87,21 +81,22 @@ def _nearest_rotations(
     clipped = np.clip(matrices, -2.0, 2.0)  # what is larger is refused, and must not overflow
     product = clipped @ np.swapaxes(clipped, 1, 2)
     error = np.abs(product - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    wrong = np.flatnonzero((error > MAX_NORM_ERROR) | (np.linalg.det(clipped) <= 0.0))
-    if wrong.size:
-        raise InputError(
+    refuse_rows(
+        (error > MAX_NORM_ERROR) | (np.linalg.det(clipped) <= 0.0),
+        lambda _: (
             "expected the first three columns to be a rotation, got a matrix whose rows are not "
-            "right-handed unit vectors at right angles; check the order of the numbers",
-            path=path,
-            line=lines[int(wrong[0])],
-        )
+            "right-handed unit vectors at right angles; check the order of the numbers"
+        ),
+        path=path,
+        lines=lines,
+    )
     left, _, right = np.linalg.svd(matrices)
     return left @ right, int(np.sum(error > ROUNDING))
 
 
 def _recognises(head: list[str]) -> bool:
-    data = [line for line in head if not line.startswith("#")]
-    return bool(data) and len(data[0].split()) == len(COLUMNS) and "," not in data[0]
+    first = first_data(head)
+    return len(first.split()) == len(COLUMNS) and "," not in first
 
 
 FORMAT = TraceFormat(

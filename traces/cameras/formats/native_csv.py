@@ -10,19 +10,20 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import refuse_rows
 from ....base.errors import InputError
 from ..camera_trace import CameraTrace
 from ..native_columns import (
     COLUMNS,
-    REQUIRED,
     SCHEMA,
     Header,
     check_columns,
+    columns_of,
     decode_header,
     encode_header,
+    trace_of,
 )
-from ..samples import trace_from_samples
-from ..text_lines import data_lines, parse_numbers, read_lines
+from ..text_lines import data_lines, first_data, read_lines, read_rows
 from ..trace_format import TraceFormat, refuse_selector
 
 MARK = f"# {SCHEMA} "
@@ -41,32 +42,16 @@ def read_csv(path: Path, selector: str | None = None) -> CameraTrace:
     line, text = next(numbered, (1, ""))
     columns = [name.strip() for name in text.split(",")]
     check_columns(columns, path, line)
-    lines: list[int] = []
-    rows: list[list[float]] = []
-    for line, text in numbered:
-        rows.append(parse_numbers(text.split(","), columns, path=path, line=line))
-        lines.append(line)
-    table = np.array(rows).reshape(-1, len(columns))
-    required = table[:, [columns.index(name) for name in REQUIRED]]
-    cut = table[:, columns.index("cut")] if "cut" in columns else np.zeros(len(lines))
-    wrong = np.flatnonzero((cut != 0.0) & (cut != 1.0))
-    if wrong.size:
-        raise InputError(
-            f"expected cut to be 0 or 1, got {cut[wrong[0]]:g}; correct the row",
-            path=path,
-            line=lines[int(wrong[0])],
-        )
-    return trace_from_samples(
-        header.name,
-        path,
-        lines,
-        time_s=required[:, 0],
-        position_m=required[:, 1:4],
-        orientation_xyzw=required[:, 4:8],
-        cut=cut == 1.0,
-        origin_s=header.origin_s,
-        repairs=header.made_repairs(),
+    lines, table = read_rows(numbered, columns, path, ",")
+    known = dict(zip(columns, table.T, strict=True))
+    cut = known.get("cut", np.zeros(len(lines)))
+    refuse_rows(
+        (cut != 0.0) & (cut != 1.0),
+        lambda row: f"expected cut to be 0 or 1, got {cut[row]:g}; correct the row",
+        path=path,
+        lines=lines,
     )
+    return trace_of(known, header, path, lines)
 
 
 def _header(first: str, path: Path) -> Header:
@@ -75,31 +60,27 @@ def _header(first: str, path: Path) -> Header:
         return decode_header(first[len(MARK) :], path, 1)
     family, version = SCHEMA.split("/")
     if first.startswith(f"# {family}/"):
-        raise InputError(
+        message = (
             f"expected version {version} of {family}, got {first[2:60]!r}; "
-            "write the trace with this version of lodbench",
-            path=path,
-            line=1,
+            "write the trace with this version of lodbench"
         )
+        raise InputError(message, path=path, line=1)
     return Header(path.stem)
 
 
 def write_csv(trace: CameraTrace, path: Path) -> None:
     """Write a trace as native CSV."""
-    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
+    *numbers, cut = columns_of(trace).values()
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(f"{MARK}{encode_header(trace).decode()}\n")
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(COLUMNS)
-        for row, cut in zip(numbers.tolist(), trace.cut.tolist(), strict=True):
-            rows.writerow([*row, int(cut)])
+        rows.writerows(zip(*(column.tolist() for column in numbers), cut.astype(int), strict=True))
 
 
 def _recognises(head: list[str]) -> bool:
-    if head and head[0].startswith(MARK):
-        return True
-    data = [line for line in head if not line.startswith("#")]
-    return bool(data) and "time_s" in data[0].replace(" ", "").split(",")
+    columns = first_data(head).replace(" ", "").split(",")
+    return "".join(head[:1]).startswith(MARK) or "time_s" in columns
 
 
 FORMAT = TraceFormat(

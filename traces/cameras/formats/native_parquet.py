@@ -5,18 +5,25 @@ JSON of name, origin and repairs.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ....base.arrays import FloatArray, refuse_rows
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, FloatArray
-from ..native_columns import REQUIRED, SCHEMA, Header, check_columns, decode_header, encode_header
-from ..samples import trace_from_samples
+from ....base.parquet_file import ParquetColumns, write_columns
+from ..camera_trace import CameraTrace
+from ..native_columns import (
+    SCHEMA,
+    Header,
+    check_columns,
+    columns_of,
+    decode_header,
+    encode_header,
+    trace_of,
+)
 from ..trace_format import TraceFormat, refuse_selector
 
-SCHEMA_KEY = b"lodbench.schema"
-HEADER_KEY = b"lodbench.trace"
+SCHEMA_KEY, HEADER_KEY = "lodbench.schema", "lodbench.trace"
 
 
 def read_parquet(path: Path, selector: str | None = None) -> CameraTrace:
@@ -26,86 +33,38 @@ def read_parquet(path: Path, selector: str | None = None) -> CameraTrace:
     `trace_from_samples`; the line of an error is the 1-based row.
     """
     refuse_selector(selector, path, "native Parquet")
-    table = _read_table(path)
-    metadata: dict[bytes, bytes] = table.schema.metadata or {}
-    schema = metadata.get(SCHEMA_KEY, b"").decode("utf-8", "replace")
+    table = ParquetColumns(path)
+    schema = table.text(SCHEMA_KEY)
     if schema != SCHEMA:
-        raise InputError(
+        message = (
             f"expected the schema {SCHEMA}, got {schema or 'none'}; "
-            "write the trace with this version of lodbench",
-            path=path,
+            "write the trace with this version of lodbench"
         )
-    header = (
-        decode_header(metadata[HEADER_KEY], path, None)
-        if HEADER_KEY in metadata
-        else Header(path.stem)
+        raise InputError(message, path=path)
+    text = table.text(HEADER_KEY)
+    header = decode_header(text, path, None) if text else Header(path.stem)
+    check_columns(table.names, path, None)
+    columns = {name: _finite_column(table, name, path) for name in table.names}
+    return trace_of(columns, header, path, range(1, len(table) + 1))
+
+
+def _finite_column(table: ParquetColumns, name: str, path: Path) -> FloatArray:
+    values = table.numbers(name)
+    refuse_rows(
+        ~np.isfinite(values),
+        lambda row: (
+            f"expected a finite number for {name}, got {values[row]}; correct or remove the row"
+        ),
+        path=path,
+        lines=range(1, len(values) + 1),
     )
-    check_columns(table.column_names, path, None)
-    columns = np.column_stack([_finite_column(table, name, path) for name in REQUIRED])
-    cut = _finite_column(table, "cut", path) if "cut" in table.column_names else None
-    return trace_from_samples(
-        header.name,
-        path,
-        range(1, len(columns) + 1),
-        time_s=columns[:, 0],
-        position_m=columns[:, 1:4],
-        orientation_xyzw=columns[:, 4:8],
-        cut=None if cut is None else cut != 0.0,
-        origin_s=header.origin_s,
-        repairs=header.made_repairs(),
-    )
-
-
-def _read_table(path: Path) -> Any:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    refusals: tuple[type[Exception], ...] = (pa.ArrowException, OSError, ValueError)
-    try:
-        with path.open("rb") as file:
-            table: Any = parquet.read_table(file)
-    except refusals as error:
-        reason = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
-        raise InputError(
-            f"expected a Parquet file that can be read, got {reason}; write it again", path=path
-        ) from error
-    return table
-
-
-def _finite_column(table: Any, name: str, path: Path) -> FloatArray:
-    import pyarrow as pa
-
-    refusals: tuple[type[Exception], ...] = (pa.ArrowException, ValueError)
-    try:
-        values: FloatArray = table.column(name).cast(pa.float64()).to_numpy()
-    except refusals as error:
-        raise InputError(
-            f"expected numbers in column {name}, got {table.schema.field(name).type}; "
-            "write it as float64",
-            path=path,
-        ) from error
-    wrong = np.flatnonzero(~np.isfinite(values))
-    if wrong.size:
-        raise InputError(
-            f"expected a finite number for {name}, got {values[wrong[0]]}; "
-            "correct or remove the row",
-            path=path,
-            line=int(wrong[0]) + 1,
-        )
     return values
 
 
 def write_parquet(trace: CameraTrace, path: Path) -> None:
     """Write a trace as native Parquet."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    numbers = np.column_stack([trace.time_s, trace.position_m, trace.orientation_xyzw])
-    arrays: dict[str, Any] = dict(zip(REQUIRED, numbers.T.copy(), strict=True))
-    table: Any = pa.table({**arrays, "cut": trace.cut})
-    metadata = {SCHEMA_KEY: SCHEMA.encode(), HEADER_KEY: encode_header(trace)}
-    described: Any = table.replace_schema_metadata(metadata)
-    parquet.write_table(described, path)
+    texts = {SCHEMA_KEY: SCHEMA, HEADER_KEY: encode_header(trace)}
+    write_columns(path, columns_of(trace), texts)
 
 
 def _recognises(head: list[str]) -> bool:

@@ -13,7 +13,7 @@ from ....base.errors import InputError
 from ..camera_trace import CameraTrace
 from ..orientation import camera_from_optical, optical_from_camera
 from ..samples import trace_from_samples
-from ..text_lines import data_lines, parse_numbers
+from ..text_lines import data_lines, first_data, read_rows
 from ..trace_format import TraceFormat, refuse_selector
 
 COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
@@ -25,12 +25,7 @@ def read_tum(path: Path, selector: str | None = None) -> CameraTrace:
     Raises `InputError` if a row has not 8 finite numbers, or as `trace_from_samples`.
     """
     refuse_selector(selector, path, "TUM")
-    lines: list[int] = []
-    rows: list[list[float]] = []
-    for line, text in data_lines(path):
-        rows.append(parse_numbers(text.split(), COLUMNS, path=path, line=line))
-        lines.append(line)
-    table = np.array(rows).reshape(-1, len(COLUMNS))
+    lines, table = read_rows(data_lines(path), COLUMNS, path)
     return trace_from_samples(
         path.stem,
         path,
@@ -47,25 +42,20 @@ def write_tum(trace: CameraTrace, path: Path) -> None:
     Raises `InputError` if the trace has cuts, which the format cannot hold.
     """
     if trace.cut.any():
-        raise InputError(
+        message = (
             f"expected a trace without cuts for TUM, got {trace.cut.sum()} cuts; "
-            "write csv or parquet",
-            path=path,
+            "write csv or parquet"
         )
-    table = np.column_stack(
-        [
-            trace.origin_s + trace.time_s,
-            trace.position_m,
-            optical_from_camera(trace.orientation_xyzw),
-        ]
-    )
+        raise InputError(message, path=path)
+    optical = optical_from_camera(trace.orientation_xyzw)
+    table = np.column_stack([trace.origin_s + trace.time_s, trace.position_m, optical])
     rows = (" ".join(map(repr, row)) for row in table.tolist())
     path.write_text("\n".join([f"# {' '.join(COLUMNS)}", *rows, ""]), encoding="utf-8")
 
 
 def _recognises(head: list[str]) -> bool:
-    data = [line for line in head if not line.startswith("#")]
-    return bool(data) and len(data[0].split()) == len(COLUMNS) and "," not in data[0]
+    first = first_data(head)
+    return len(first.split()) == len(COLUMNS) and "," not in first
 
 
 FORMAT = TraceFormat(

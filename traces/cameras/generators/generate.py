@@ -23,12 +23,15 @@ view, turns suddenly so that many are visible, and moves back. Everything else i
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from numpy.random import Generator
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.nearest_names import unknown_name
-from ..camera_trace import BoolArray, CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..orientation import look_along
 from ..samples import MAX_COORDINATE_M
 from .motion_paths import Limits, Timeline, travel_closed_curve
@@ -45,21 +48,24 @@ NOD_PERIOD_S = 7.0
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """Positions relative to the centre at camera height, and where the camera looks."""
+    """Positions relative to the centre at camera height, and where the camera looks.
+
+    Level and without cuts unless it is said.
+    """
 
     position_m: FloatArray
     heading_rad: FloatArray
-    pitch_rad: FloatArray
-    cut: BoolArray
+    pitch_rad: FloatArray | float = 0.0
+    cut: BoolArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class Movement:
     """Bounds and height of a kind of movement, and the function that makes its path."""
 
     limits: Limits
     height_m: float
-    path: Callable[[np.random.Generator, FloatArray, float, "Kind"], _Path]
+    path: Callable[[Generator, FloatArray, float, "Movement"], _Path]
 
 
 def generate(
@@ -99,11 +105,11 @@ def generate(
         times,
         path.position_m + np.array(center_m) + np.array([0.0, 0.0, chosen.height_m]),
         look_along(path.heading_rad, path.pitch_rad),
-        path.cut,
+        np.zeros(len(times), dtype=np.bool_) if path.cut is None else path.cut,
     )
 
 
-def _kind(name: str, speed_m_s: float | None, height_m: float | None) -> Kind:
+def _kind(name: str, speed_m_s: float | None, height_m: float | None) -> Movement:
     if name not in KINDS:
         raise InputError(f"kind: {unknown_name(name, KINDS)}")
     chosen = KINDS[name]
@@ -128,7 +134,7 @@ def _sample_times(duration_s: float, rate_hz: float) -> FloatArray:
     return np.concatenate([[0.0], inner[inner < duration_s - 0.01 / rate_hz], [duration_s]])
 
 
-def _walk(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
+def _walk(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
     glance_rate = 2.0 * np.pi / GLANCE_PERIOD_S
     nod_rate = 2.0 * np.pi / NOD_PERIOD_S
     head_deg_s = float(np.sum(GLANCE_DEG * glance_rate)) + NOD_DEG * nod_rate
@@ -138,76 +144,60 @@ def _walk(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Ki
     glance = np.sin(np.multiply.outer(times, glance_rate) + phase[:2]) @ GLANCE_DEG
     nod = NOD_DEG * (np.sin(nod_rate * times + phase[2]) - 1.0)
     bob = BOB_M * np.sin(2.0 * np.pi * STEPS_HZ * times)
-    return _Path(
-        np.column_stack([position, bob]),
-        heading + np.radians(glance),
-        np.radians(nod),
-        _no_cuts(times),
-    )
+    looking = heading + np.radians(glance)
+    return _Path(np.column_stack([position, bob]), looking, np.radians(nod))
 
 
-def _drive(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
+def _drive(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
     position, heading = travel_closed_curve(rng, times, extent_m, kind.limits)
-    level = np.zeros_like(times)
-    return _Path(np.column_stack([position, level]), heading, level, _no_cuts(times))
+    return _Path(np.column_stack([position, np.zeros_like(times)]), heading)
 
 
-def _fly_over(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
+def _fly_over(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
     flown = _drive(rng, times, extent_m, kind)
-    return replace(flown, pitch_rad=np.full_like(times, np.radians(-25.0)))
+    return replace(flown, pitch_rad=float(np.radians(-25.0)))
 
 
-def _orbit(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
+def _orbit(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
     radius_m = 0.5 * extent_m
     rate = min(kind.limits.speed_m_s / radius_m, np.radians(kind.limits.turn_deg_s))
     angle = rng.uniform(0.0, 2.0 * np.pi) + rate * times
     position = radius_m * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
-    pitch = np.full_like(times, -np.arctan2(kind.height_m, radius_m))
-    return _Path(position, angle + np.pi, pitch, _no_cuts(times))
+    return _Path(position, angle + np.pi, -float(np.arctan2(kind.height_m, radius_m)))
 
 
-def _look_around(
-    rng: np.random.Generator, times: FloatArray, _extent_m: float, kind: Kind
-) -> _Path:
+def _look_around(rng: Generator, times: FloatArray, _extent_m: float, kind: Movement) -> _Path:
     turn_deg_s = kind.limits.turn_deg_s
     heading_deg = Timeline(float(rng.uniform(0.0, 360.0)))
     while heading_deg.end_s < times[-1]:
         turn = float(rng.uniform(30.0, 150.0) * rng.choice([-1.0, 1.0]))
         heading_deg.move_by(turn, turn_deg_s, 4.0 * turn_deg_s)
         heading_deg.hold_until(heading_deg.end_s + float(rng.uniform(0.2, 1.5)))
-    level = np.zeros_like(times)
-    return _Path(
-        np.zeros((len(times), 3)), np.radians(heading_deg.at(times)), level, _no_cuts(times)
-    )
+    return _Path(np.zeros((len(times), 3)), np.radians(heading_deg.at(times)))
 
 
-def _teleport(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
+def _teleport(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
     stay = np.floor(times / 3.0).astype(np.intp)
     count = int(stay[-1]) + 1
     place = rng.uniform(-0.5, 0.5, size=(count, 2)) * extent_m
     heading = rng.uniform(0.0, 2.0 * np.pi, count)
     pan = rng.uniform(-1.0, 1.0, count) * np.radians(kind.limits.turn_deg_s)
-    level = np.zeros_like(times)
     return _Path(
-        np.column_stack([place[stay], level]),
+        np.column_stack([place[stay], np.zeros_like(times)]),
         heading[stay] + pan[stay] * (times - 3.0 * stay),
-        level,
-        np.append(False, stay[1:] != stay[:-1]),
+        cut=np.append(False, stay[1:] != stay[:-1]),
     )
 
 
-def _dash(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
-    return _shuttle(rng, times, extent_m, kind.limits, hold_s=4.0)
-
-
-def _sudden_turn(rng: np.random.Generator, times: FloatArray, extent_m: float, kind: Kind) -> _Path:
-    return _shuttle(rng, times, extent_m, kind.limits, hold_s=0.0)
-
-
 def _shuttle(
-    rng: np.random.Generator, times: FloatArray, extent_m: float, limits: Limits, hold_s: float
+    rng: Generator,
+    times: FloatArray,
+    extent_m: float,
+    kind: Movement,
+    hold_s: float = 0.0,
 ) -> _Path:
     """Stand, cross the square through its centre, turn round, and again."""
+    limits = kind.limits
     direction = rng.uniform(0.0, 2.0 * np.pi)
     along, heading_deg = Timeline(-0.5 * extent_m), Timeline(float(np.degrees(direction)))
     while along.end_s < times[-1]:
@@ -217,23 +207,17 @@ def _shuttle(
         heading_deg.move_by(180.0, limits.turn_deg_s, 10.0 * limits.turn_deg_s)
         along.hold_until(heading_deg.end_s)
     ahead = np.array([np.cos(direction), np.sin(direction), 0.0])
-    level = np.zeros_like(times)
-    position = np.multiply.outer(along.at(times), ahead)
-    return _Path(position, np.radians(heading_deg.at(times)), level, _no_cuts(times))
-
-
-def _no_cuts(times: FloatArray) -> BoolArray:
-    return np.zeros(len(times), dtype=np.bool_)
+    return _Path(np.multiply.outer(along.at(times), ahead), np.radians(heading_deg.at(times)))
 
 
 # Limits are speed (m/s), acceleration (m/s^2) and turn rate (degrees/s); see the table above.
-KINDS: dict[str, Kind] = {
-    "walk": Kind(Limits(1.4, 1.0, 120.0), 1.65, _walk),
-    "drive": Kind(Limits(13.9, 3.0, 40.0), 1.2, _drive),
-    "fly-over": Kind(Limits(20.0, 5.0, 45.0), 60.0, _fly_over),
-    "orbit": Kind(Limits(5.0, 1.0, 30.0), 10.0, _orbit),
-    "look-around": Kind(Limits(0.0, 1.0, 120.0), 1.65, _look_around),
-    "dash": Kind(Limits(7.0, 6.0, 180.0), 1.65, _dash),
-    "teleport": Kind(Limits(0.0, 1.0, 30.0), 1.65, _teleport),
-    "sudden-turn": Kind(Limits(5.0, 3.0, 360.0), 1.65, _sudden_turn),
+KINDS: dict[str, Movement] = {
+    "walk": Movement(Limits(1.4, 1.0, 120.0), 1.65, _walk),
+    "drive": Movement(Limits(13.9, 3.0, 40.0), 1.2, _drive),
+    "fly-over": Movement(Limits(20.0, 5.0, 45.0), 60.0, _fly_over),
+    "orbit": Movement(Limits(5.0, 1.0, 30.0), 10.0, _orbit),
+    "look-around": Movement(Limits(0.0, 1.0, 120.0), 1.65, _look_around),
+    "dash": Movement(Limits(7.0, 6.0, 180.0), 1.65, partial(_shuttle, hold_s=4.0)),
+    "teleport": Movement(Limits(0.0, 1.0, 30.0), 1.65, _teleport),
+    "sudden-turn": Movement(Limits(5.0, 3.0, 360.0), 1.65, _shuttle),
 }

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..camera_trace import FloatArray
+from ....base.arrays import FloatArray
 
 CURVE_POINTS = 4096
 # Terms of the Fourier series; more make the curve wind more.

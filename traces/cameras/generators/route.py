@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ..camera_trace import BoolArray, CameraTrace, FloatArray
+from ..camera_trace import CameraTrace
 from ..orientation import look_along
 
 _STEP_M = 0.05

@@ -18,13 +18,14 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.strict_json import read_json
 from ....base.text_file import read_text
 from ....base.whole_file import write_whole
 from ..log_format import LogFormat, LogHead
 from ..log_timings import log_from_timings
-from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
+from ..timings import FrameTimings, complete_timings
 from .presentmon import is_presentmon, open_present_table, read_present_table
 
 _Numbers = list[float | Literal["NaN"]]
@@ -45,6 +46,22 @@ class _CaptureData(msgspec.Struct, rename="pascal", omit_defaults=True):
     animation_error: _Numbers | None = None
     gpu_active: _Numbers | None = None
     cpu_active: _Numbers | None = None
+
+
+# Of `FrameTimings`, where CapFrameX has it.
+_FIELDS = {
+    "present_s": "time_in_seconds",
+    "between_presents_ms": "ms_between_presents",
+    "in_present_ms": "ms_in_present_a_p_i",
+    "between_display_change_ms": "ms_between_display_change",
+    "until_render_complete_ms": "ms_until_render_complete",
+    "until_displayed_ms": "ms_until_displayed",
+    "animation_error_ms": "animation_error",
+    "gpu_busy_ms": "gpu_active",
+    "cpu_busy_ms": "cpu_active",
+}
+# Of a dropped frame, CapFrameX has zeros for these.
+_OF_SHOWN = ("between_display_change_ms", "until_displayed_ms")
 
 
 class _Run(msgspec.Struct, rename="pascal"):
@@ -115,15 +132,7 @@ def _read_json(path: Path, run: int) -> FrameTimings:
 
 def _arrays(data: _CaptureData, path: Path) -> tuple[dict[str, FloatArray], BoolArray]:
     lists: dict[str, _Numbers | None] = {
-        "present_s": data.time_in_seconds,
-        "between_presents_ms": data.ms_between_presents,
-        "in_present_ms": data.ms_in_present_a_p_i,
-        "between_display_change_ms": data.ms_between_display_change,
-        "until_render_complete_ms": data.ms_until_render_complete,
-        "until_displayed_ms": data.ms_until_displayed,
-        "animation_error_ms": data.animation_error,
-        "gpu_busy_ms": data.gpu_active,
-        "cpu_busy_ms": data.cpu_active,
+        name: getattr(data, field) for name, field in _FIELDS.items()
     }
     frames = len(data.time_in_seconds)
     if frames == 0:
@@ -147,10 +156,8 @@ def _require_order(time_s: FloatArray, path: Path) -> None:
     wrong = np.flatnonzero(~(np.diff(time_s) >= 0.0))
     if wrong.size or not np.isfinite(time_s[0]):
         row = int(wrong[0]) + 1 if wrong.size else 0
-        raise InputError(
-            f"expected times that never decrease, got {time_s[row]} at frame {row}; {_ADVICE}",
-            path=path,
-        )
+        message = f"expected times that never decrease, got {time_s[row]} at frame {row}; {_ADVICE}"
+        raise InputError(message, path=path)
 
 
 def write_capframex(
@@ -168,20 +175,16 @@ def write_capframex(
     Raises `InputError` if the file cannot be written.
     """
     frames = len(timings)
+    columns = {name: getattr(timings, name) for name in _FIELDS}
+    columns["present_s"] = timings.present_s - timings.present_s[0]
+    for name in _OF_SHOWN:
+        columns[name] = np.where(timings.dropped, 0.0, columns[name])
     data = _CaptureData(
-        time_in_seconds=_list(timings.present_s - timings.present_s[0]),
-        ms_between_presents=_list(timings.between_presents_ms),
+        **{field: _list(columns[name]) for name, field in _FIELDS.items()},
         dropped=timings.dropped.tolist(),
-        ms_in_present_a_p_i=_list(timings.in_present_ms),
-        ms_between_display_change=_list(_zero_where(timings, timings.between_display_change_ms)),
-        ms_until_render_complete=_list(timings.until_render_complete_ms),
-        ms_until_displayed=_list(_zero_where(timings, timings.until_displayed_ms)),
         present_mode=[0] * frames,
         allows_tearing=[int(tearing)] * frames,
         sync_interval=[sync_interval] * frames,
-        animation_error=_list(timings.animation_error_ms),
-        gpu_active=_list(timings.gpu_busy_ms),
-        cpu_active=_list(timings.cpu_busy_ms),
     )
     digest = hashlib.sha1(msgspec.json.encode(data), usedforsecurity=False).hexdigest()
     info = _Info(
@@ -192,10 +195,6 @@ def write_capframex(
     )
     session = _Session([_Run(data, digest, "Other")], info, digest)
     write_whole(Path(path), msgspec.json.encode(session))
-
-
-def _zero_where(timings: FrameTimings, values: FloatArray) -> FloatArray:
-    return np.where(timings.dropped, 0.0, values)
 
 
 def _list(values: FloatArray) -> _Numbers:

@@ -4,19 +4,18 @@ The schema's metadata ``lodbench.header`` may hold the comment line of the CSV.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ....base.errors import InputError
+from ....base.parquet_file import ParquetColumns
 from ..log_build import build_log
 from ..log_columns import find_columns
 from ..log_format import Columns, LogFormat
 from ..render_log import RenderLog
 from .log_csv import header_pairs
 
-_MAGIC = b"PAR1"
-HEADER_KEY = b"lodbench.header"
+HEADER_KEY = "lodbench.header"
 
 
 def read_parquet_log(path: Path, mapping: Columns = None) -> RenderLog:
@@ -24,40 +23,22 @@ def read_parquet_log(path: Path, mapping: Columns = None) -> RenderLog:
 
     Raises `InputError` if the file is damaged, no column holds a time, or one is not of numbers.
     """
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    try:
-        # Opened without its path: Arrow would take folders and remote addresses for data sets.
-        with path.open("rb") as file:
-            source: Any = parquet.ParquetFile(file)
-            names: list[str] = list(source.schema_arrow.names)
-            columns, notes = find_columns(names, mapping, path=path, line=None)
-            table: Any = source.read(columns=[column.source for column in columns])
-        values = [
-            np.asarray(table.column(column.source).cast(pa.float64()).to_numpy())
-            for column in columns
-        ]
-    except (OSError, pa.ArrowException) as error:
-        what = str(error).partition("\n")[0][:120]
-        message = f"expected a Parquet file of numbers, got: {what}; write it again"
-        raise InputError(message, path=path) from error
-    if table.num_rows == 0:
+    table = ParquetColumns(path)
+    columns, notes = find_columns(table.names, mapping, path=path, line=None)
+    if len(table) == 0:
         raise InputError("expected at least one frame, got none", path=path)
-    metadata: dict[bytes, bytes] = source.schema_arrow.metadata or {}
-    comment = metadata.get(HEADER_KEY, b"").decode("utf-8", "replace")
     return build_log(
-        np.column_stack(values),
+        np.column_stack([table.numbers(column.source) for column in columns]),
         columns,
         name=path.stem,
         log_format="parquet",
-        header=header_pairs([comment]),
+        header=header_pairs([table.text(HEADER_KEY)]),
         notes=notes,
     )
 
 
 FORMAT = LogFormat(
     "the columns of the CSV as Parquet",
-    lambda head: head.data.startswith(_MAGIC),
+    lambda head: head.data.startswith(b"PAR1"),
     read_parquet_log,
 )

@@ -15,10 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ....base.errors import InputError
 from ..log_format import LogFormat, LogHead
 from ..log_table import LogTable, log_lines, read_log_bytes, split_table
-from ..render_log import FloatArray, RenderLog
+from ..render_log import RenderLog
 
 _SYSTEM = "os,cpu,gpu,"
 _HEADER_WITHIN = 12  # lines

@@ -23,13 +23,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.text_file import read_encoded
 from ..log_format import LogFormat
 from ..log_table import LogTable, split_table
 from ..log_timings import log_from_timings
 from ..presentmon_clock import present_clock
-from ..timings import BoolArray, FloatArray, FrameTimings, complete_timings
+from ..timings import FrameTimings, complete_timings
 
 _COLUMNS = {
     "between_presents_ms": ("msbetweenpresents",),
@@ -91,18 +92,14 @@ def open_present_table(path: Path) -> tuple[LogTable, tuple[str, ...]]:
     table = split_table(data, path)
     line = table.first_line - 1
     if not is_presentmon(table.header):
-        raise InputError(
+        message = (
             "expected the columns Application, ProcessID, SwapChainAddress and MsBetweenPresents "
-            f"or FrameTime, got {', '.join(table.header)[:80]}; is the header there?",
-            path=path,
-            line=line,
+            f"or FrameTime, got {', '.join(table.header)[:80]}; is the header there?"
         )
+        raise InputError(message, path=path, line=line)
     if table.delimiter != ",":
-        raise InputError(
-            f"expected commas between columns, got {table.delimiter!r}; export it with commas",
-            path=path,
-            line=line,
-        )
+        message = f"expected commas between columns, got {table.delimiter!r}; export it with commas"
+        raise InputError(message, path=path, line=line)
     twice = [name for name, count in Counter(_names(table)).items() if count > 1]
     if twice:
         raise InputError(
@@ -146,11 +143,10 @@ def read_present_table(
     """Return the timings of one stream of a table; raises InputError as `read_presentmon`."""
     rows = _scan(table)
     if not rows.lines:
-        raise InputError(
-            "expected rows below the header, got none; did the program run during the capture?",
-            path=table.path,
-            line=table.first_line - 1,
+        message = (
+            "expected rows below the header, got none; did the program run during the capture?"
         )
+        raise InputError(message, path=table.path, line=table.first_line - 1)
     stream = _choose(rows.streams, wanted, table)
     chosen = [i for i, key in enumerate(rows.streams) if key == stream and not rows.generated[i]]
     if not chosen:
@@ -238,12 +234,11 @@ def _numbers(table: LogTable, lines: list[int], chosen: list[int]) -> dict[str, 
     infinite = np.argwhere(np.isinf(values)).tolist()
     if infinite:
         row, column = infinite[0]
-        raise InputError(
+        message = (
             f"expected a finite number in column {table.header[list(places.values())[column]]}, "
-            f"got {values[row, column]}; correct it",
-            path=table.path,
-            line=lines[chosen[row]],
+            f"got {values[row, column]}; correct it"
         )
+        raise InputError(message, path=table.path, line=lines[chosen[row]])
     return dict(zip(places, values.T, strict=True))
 
 

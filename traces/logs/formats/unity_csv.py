@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from ..log_build import build_log
-from ..log_columns import Column, find_columns
+from ..log_columns import LogColumn, find_columns
 from ..log_format import Columns, LogFormat
 from ..log_table import LogTable, read_log_bytes, split_table
-from ..render_log import TIMES, FloatArray, RenderLog
+from ..render_log import TIMES, RenderLog
 
 _MARKS = frozenset(
     (
@@ -54,13 +54,13 @@ def read_unity_csv(path: Path, mapping: Columns = None) -> RenderLog:
 
 
 def _with_unit(
-    table: LogTable, columns: Sequence[Column]
-) -> tuple[tuple[Column, ...], tuple[str, ...]]:
+    table: LogTable, columns: Sequence[LogColumn]
+) -> tuple[tuple[LogColumn, ...], tuple[str, ...]]:
     """Put nanoseconds on times without a unit in the name if that is what the values are."""
     unnamed = [column for column in columns if column.name in TIMES and not column.unit]
     if not unnamed:
         return tuple(columns), ()
-    values: FloatArray = table.numbers([column.index for column in unnamed])
+    values = table.numbers([column.index for column in unnamed])
     measured = values[np.isfinite(values) & (values > 0.0)]
     if not len(measured) or float(np.median(measured)) < _NS_ABOVE:
         return tuple(columns), ()

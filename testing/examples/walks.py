@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..policies.protocol import Policy
+from ...policies.protocol import Policy
+from ..promises.promise import Examples
 from .example import Example
 from .fixed_examples import (
     AWAY,
@@ -19,7 +20,6 @@ from .fixed_examples import (
     fitting,
     pose_at,
 )
-from .promise import Examples
 
 BUDGETS = (NEXT_TO_NOTHING, 0.1, TIGHT, 0.8, PLENTY)
 CUT = (*WALK[6:9], SIGHT)

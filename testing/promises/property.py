@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Flaky
 from hypothesis.strategies import SearchStrategy
 
-from ..policies.protocol import Capabilities
-from .example import Factory
-from .failure import write_failure
+from ...policies.protocol import Capabilities
+from ..examples.example import Factory
+from ..failure import write_failure
 from .promise import CheckError, Failure, Promise, locate, rest_claimed
 
 FAILURES = Path("lodbench-failures")

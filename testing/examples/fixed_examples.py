@@ -11,15 +11,15 @@ from functools import cache
 
 import numpy as np
 
-from ..models.machine.cost import CostModel, CpuCostModel
-from ..models.machine.hardware import Display, DisplayMode, HardwareProfile, Provenance
-from ..models.scene.benefit import level_primitives
-from ..models.scene.scene import Scene
-from ..policies.protocol import Capabilities, Policy, why_not_applicable
-from ..policies.selection import Selection
-from ..policies.view import View
-from ..traces.cameras.camera_trace import CameraTrace, Pose
-from ..traces.cameras.orientation import look_along
+from ...models.machine.cost import CostModel, CpuCostModel
+from ...models.machine.hardware import Display, DisplayMode, HardwareProfile, Provenance
+from ...models.scene.benefit import level_primitives
+from ...models.scene.scene import Scene
+from ...policies.protocol import Capabilities, Policy, why_not_applicable
+from ...policies.selection import Selection
+from ...policies.view import View
+from ...traces.cameras.camera_trace import CameraTrace, Pose
+from ...traces.cameras.orientation import look_along
 from .example import Example
 from .small_scenes import lone_object, small_scenes
 

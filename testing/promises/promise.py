@@ -3,15 +3,15 @@
 import inspect
 import traceback
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest import SkipTest
 
-from ..base.errors import PolicyError
-from ..policies.protocol import Claims, Policy, claims_of
-from .example import Example, Factory
+from ...base.errors import PolicyError
+from ...policies.protocol import Claims, Policy, claims_of
+from ..examples.example import Example, Factory
 
 _REST_FRAMES = 60
 """Frames after which a policy that claims nothing has to be at rest: a second at 60 Hz."""
@@ -25,7 +25,8 @@ class CheckError(AssertionError):
 class Failure:
     """What is wrong, and in which examples it shows, by name.
 
-    `runs` has no example, one, or two that had to be alike; `cause` is what the policy raised.
+    `runs` are two that had to be alike, or one; none stands for the example that was judged.
+    `cause` is what the policy raised.
     """
 
     message: str
@@ -98,11 +99,14 @@ class Promise:
     def try_one(self, factory: Factory, rest: int, example: Any) -> Failure | None:
         """Return what is wrong in an example; a broken contract is wrong under every promise."""
         try:
-            return self.judge(factory, example, rest)
+            failure = self.judge(factory, example, rest)
         except PolicyError as error:
-            run = example if isinstance(example, Example) else example[0]
             frame = "reset" if error.frame is None else f"frame {error.frame}"
-            return Failure(f"{frame}: {error.reason}", (("example", run),), error.__cause__)
+            first = example if isinstance(example, Example) else example[0]
+            return Failure(f"{frame}: {error.reason}", (("example", first),), error.__cause__)
+        if failure is not None and not failure.runs and isinstance(example, Example):
+            return replace(failure, runs=(("example", example),))
+        return failure
 
 
 def promise(

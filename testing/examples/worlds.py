@@ -3,12 +3,12 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from ..models.machine.frame_cost import FrameCost
-from ..models.machine.hardware import HardwareProfile
-from ..models.scene.scene import Scene
-from ..policies.protocol import Capabilities
-from ..traces.cameras.camera_trace import CameraTrace
-from ..traces.cameras.orientation import look_along
+from ...models.machine.frame_cost import FrameCost
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
+from ...policies.protocol import Capabilities
+from ...traces.cameras.camera_trace import CameraTrace
+from ...traces.cameras.orientation import look_along
 from .example import Example
 from .strategies import hardware_profiles, scenes, traces
 

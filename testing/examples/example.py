@@ -7,16 +7,16 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from ..base.arrays import BoolArray
-from ..models.machine.hardware import HardwareProfile
-from ..models.scene.scene import Scene
-from ..policies.protocol import Oracle, Policy, Truth
-from ..policies.selection import Selection
-from ..policies.shared.observer import Watched, watch
-from ..policies.view import View
-from ..sim.frame_log import FrameLog
-from ..sim.replay import ReplayOptions, replay
-from ..traces.cameras.camera_trace import CameraTrace
+from ...base.arrays import BoolArray
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
+from ...policies.protocol import Oracle, Policy, Truth
+from ...policies.selection import Selection
+from ...policies.shared.observer import Watched, watch
+from ...policies.view import View
+from ...sim.frame_log import FrameLog
+from ...sim.replay import ReplayOptions, replay
+from ...traces.cameras.camera_trace import CameraTrace
 
 Factory = Callable[[], Policy]
 """A policy class, or a function without arguments that makes a policy."""

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import FloatArray
-from ..policies.frame_times import Completed
-from ..policies.protocol import Policy
-from ..policies.selection import Selection
-from ..policies.view import View
-from .example import Notes
+from ...base.arrays import FloatArray
+from ...policies.frame_times import Completed
+from ...policies.protocol import Policy
+from ...policies.selection import Selection
+from ...policies.view import View
+from ..examples.example import Notes
 
 
 class Unstreamed(Notes):

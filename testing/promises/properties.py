@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from hypothesis import strategies as st
 
-from ..policies.protocol import Capabilities
+from ...policies.protocol import Capabilities
+from ..examples.example import Example
+from ..examples.worlds import moving, resting, stepping
 from . import agreement, claims
-from .example import Example
 from .property import Property
-from .worlds import moving, resting, stepping
 
 
 def _growing(capabilities: Capabilities, rest: int) -> st.SearchStrategy[tuple[Example, Example]]:

@@ -11,16 +11,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from ..models.machine.cost import CostModel, CpuCostModel
-from ..models.machine.hardware import Display, HardwareProfile, Provenance
-from ..models.machine.residual import Residual
-from ..models.scene.camera import Camera
-from ..models.scene.frustum import Culler
-from ..models.scene.scene import Scene
-from ..policies.frame_times import Completed
-from ..policies.view import FrameState, View
-from ..traces.cameras.camera_trace import CameraTrace
-from ..traces.cameras.orientation import look_along
+from ...models.machine.cost import CostModel, CpuCostModel
+from ...models.machine.hardware import Display, HardwareProfile, Provenance
+from ...models.machine.residual import Residual
+from ...models.scene.camera import Camera
+from ...models.scene.frustum import Culler
+from ...models.scene.scene import Scene
+from ...policies.frame_times import Completed
+from ...policies.view import FrameState, View
+from ...traces.cameras.camera_trace import CameraTrace
+from ...traces.cameras.orientation import look_along
 from .small_scenes import level_table, scene_of, trees
 
 _EYE_M = 1.65

@@ -5,21 +5,46 @@ from itertools import groupby
 
 import numpy as np
 
-from ..base.arrays import FloatArray
-from ..models.machine.cost import CostModel
-from ..models.machine.frame_cost import FrameCost
-from ..models.machine.hardware import Display, HardwareProfile
-from ..models.scene.tree import Tree
-from ..sim.accounting.accounting import Accounting
+from ...base.arrays import FloatArray
+from ...models.machine.cost import CostModel
+from ...models.machine.frame_cost import FrameCost
+from ...models.machine.hardware import Display, HardwareProfile
+from ...models.scene.tree import Tree
+from ...sim.accounting.accounting import Accounting
+from ..examples.example import Example, Factory, Frame, play_fresh
+from ..examples.fixed_examples import SIGHT, coarsest
+from ..examples.walks import BACK_AND_FORTH, BUDGETS, CUT, growing, long_rest, slow_frames, walks
 from .agreement import SAME_DETAIL, difference
-from .example import Example, Factory, Frame, play_fresh
-from .fixed_examples import SIGHT, coarsest
 from .promise import Failure, promise
-from .walks import BACK_AND_FORTH, BUDGETS, CUT, growing, long_rest, slow_frames, walks
 from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
 _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
+
+
+@promise(slow_frames)
+def faulty_timings_never_raise_detail(
+    factory: Factory, example: Example, _rest: int
+) -> Failure | None:
+    """Missing, zero and stale reports lead to no more detail than no reports would."""
+    for good in (0, 4):  # the first reports already fail, or some good ones come before
+        primitives: dict[str, FloatArray] = {}
+        for name, fault in FAULTS.items():
+            if name == "stale" and not good:
+                continue  # there is nothing to repeat
+            played = example.play(factory(), faulty_timer(good, fault))
+            if not played.notes.looks_at_timings():
+                return None
+            share = np.array([frame.selection.render_scale for frame in played.frames]) ** 2
+            primitives[name] = share * (played.log["triangles"] + played.log["splats"])
+            worse = primitives[name] > primitives["silent"] * (1.0 + _ROUNDING)
+            if worse.any():
+                at = int(worse.argmax())
+                return Failure(
+                    f"frame {at}: {name} reports after {good} good ones raise primitives from "
+                    f"{primitives['silent'][at]:g} to {primitives[name][at]:g}",
+                )
+    return None
 
 
 @promise(walks(*BUDGETS), "budget")
@@ -39,7 +64,6 @@ def budget_is_kept(factory: Factory, example: Example, _rest: int) -> Failure | 
     return Failure(
         f"frame {at}: expected at most {allowed[at]:.4g} ms, predicted {predicted[at]:.4g}, drew "
         f"{spent[at]:.4g}",
-        (("example", example),),
     )
 
 
@@ -60,7 +84,6 @@ def lag_is_bounded(factory: Factory, example: Example, _rest: int) -> Failure | 
     return Failure(
         f"frame {frame} is shown {lag_ms[frame]:.4g} ms after its input; within the budget it "
         f"would be {bound_ms:.4g} ms at most",
-        (("example", example),),
     )
 
 
@@ -114,7 +137,7 @@ def _last_change(factory: Factory, example: Example, rest: int) -> Failure | Non
         if message is not None:
             since = f"{rest} frames after a cut and later" if rest else "at rest"
             where = f"from frame {settled} to {frame}, {since}, {message}"
-            return Failure(where, (("example", example),))
+            return Failure(where)
     return None
 
 
@@ -148,9 +171,7 @@ def hysteresis_holds(factory: Factory, example: Example, _rest: int) -> Failure 
             node = _undone(steps[at : at + 4])
             if node is not None:
                 where = ", ".join(f"{x:g}" for x in back[:3])
-                return Failure(
-                    f"node {node} switches twice at ({where}) m", (("example", example),)
-                )
+                return Failure(f"node {node} switches twice at ({where}) m")
     return None
 
 
@@ -174,29 +195,3 @@ def _shown(frame: Frame) -> FloatArray:
     tree = Tree(scene)
     cover = tree.cover(drawn.ids)
     return np.where(cover < 0, -1.0, tree.depth[cover])
-
-
-@promise(slow_frames)
-def faulty_timings_never_raise_detail(
-    factory: Factory, example: Example, _rest: int
-) -> Failure | None:
-    """Missing, zero and stale reports lead to no more detail than no reports would."""
-    for good in (0, 4):  # the first reports already fail, or some good ones come before
-        primitives: dict[str, FloatArray] = {}
-        for name, fault in FAULTS.items():
-            if name == "stale" and not good:
-                continue  # there is nothing to repeat
-            played = example.play(factory(), faulty_timer(good, fault))
-            if not played.notes.looks_at_timings():
-                return None
-            share = np.array([frame.selection.render_scale for frame in played.frames]) ** 2
-            primitives[name] = share * (played.log["triangles"] + played.log["splats"])
-            worse = primitives[name] > primitives["silent"] * (1.0 + _ROUNDING)
-            if worse.any():
-                at = int(worse.argmax())
-                return Failure(
-                    f"frame {at}: {name} reports after {good} good ones raise primitives from "
-                    f"{primitives['silent'][at]:g} to {primitives[name][at]:g}",
-                    (("example", example),),
-                )
-    return None

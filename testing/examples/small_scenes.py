@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.predictors import LEVEL_PREDICTORS
-from ..models.scene.levels import LevelTable
-from ..models.scene.scene import ObjectTypes, Scene
+from ...base.predictors import LEVEL_PREDICTORS
+from ...models.scene.levels import LevelTable
+from ...models.scene.scene import ObjectTypes, Scene
 
 _CHAINS = ((4000.0, 1000.0, 250.0, 60.0), (2400.0, 900.0, 100.0), (600.0,))
 _SOFT_CHAINS = ((5000.0, 1200.0, 300.0), (900.0, 90.0))

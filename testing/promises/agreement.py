@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import InputError
-from ..policies.registry import parameters, parse_policy
-from ..policies.selection import Selection
-from .example import Example, Factory, Frame, Played, play_fresh
-from .fixed_examples import NEXT_TO_NOTHING, PLENTY, TIGHT
+from ...base.errors import InputError
+from ...policies.registry import parameters, parse_policy
+from ...policies.selection import Selection
+from ..examples.example import Example, Factory, Frame, Played, play_fresh
+from ..examples.fixed_examples import NEXT_TO_NOTHING, PLENTY, TIGHT
+from ..examples.small_scenes import renumbered
+from ..examples.walks import EMPTY_WALK, LONE_WALK, after_another, first_walk, shuffled, walks
 from .promise import Failure, promise
-from .small_scenes import renumbered
-from .walks import EMPTY_WALK, LONE_WALK, after_another, first_walk, shuffled, walks
 from .watchers import AllResident, Guarded, Unstreamed
 
 SAME_DETAIL = 1e-6
@@ -54,7 +54,7 @@ def _compare(
     ones: Sequence[Frame],
     others: Sequence[Frame],
     where: str,
-    runs: tuple[tuple[str, Example], ...],
+    runs: tuple[tuple[str, Example], ...] = (),
     tolerance: float = 0.0,
 ) -> Failure | None:
     """Return the first frame in which two replays differ."""
@@ -106,7 +106,7 @@ def two_instances_agree(factory: Factory, example: Example, _rest: int) -> Failu
     """Two instances decide alike: nothing is left to chance, to a clock or to the class."""
     first, second = play_fresh(factory, example), _play_guarded(factory, example)
     where = " of a second instance"
-    return _compare(first.frames, second.frames, where, (("example", example),))
+    return _compare(first.frames, second.frames, where)
 
 
 @promise(after_another)
@@ -128,7 +128,7 @@ def leaves_the_view_alone(factory: Factory, example: Example, _rest: int) -> Fai
     if not changed:
         return None
     frame, name = changed[0]
-    return Failure(f"frame {frame}: {name} was changed", (("example", example),))
+    return Failure(f"frame {frame}: {name} was changed")
 
 
 @promise(walks(TIGHT))
@@ -138,7 +138,7 @@ def everything_resident(factory: Factory, example: Example, _rest: int) -> Failu
     plain = example.play(factory(), Unstreamed) if streams else play_fresh(factory, example)
     resident = example.play(factory(), AllResident)
     where = " with everything in memory"
-    return _compare(plain.frames, resident.frames, where, (("example", example),))
+    return _compare(plain.frames, resident.frames, where)
 
 
 @promise(shuffled)
@@ -172,7 +172,7 @@ def pickles(factory: Factory, example: Example, _rest: int) -> Failure | None:
     except Exception as error:  # noqa: BLE001 - a user's class may raise anything
         return Failure(f"{type(error).__name__}: {error}", cause=error)
     here, there = play_fresh(factory, example), example.play(sent)
-    return _compare(here.frames, there.frames, " once sent", (("example", example),))
+    return _compare(here.frames, there.frames, " once sent")
 
 
 @promise(lambda _policy, _rest: ((),))

@@ -1,0 +1,1 @@
+"""What policies promise: each promise with its judge, and how examples are tried."""
