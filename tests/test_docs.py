@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -65,8 +66,7 @@ def command(
 
     def run_line(line: str) -> tuple[int, str]:
         _, *arguments = shlex.split(line)
-        shorter = ["--steps", "1000"] if arguments[0] == "fit" else []
-        code = run([*arguments, *shorter])
+        code = run(arguments)
         return code, "".join(capfd.readouterr())
 
     return run_line
@@ -83,16 +83,24 @@ def run_installed(line: str) -> tuple[int, str]:
 
 RUNNING = [page for page in PAGES if any(line.startswith("lodbench ") for line in commands(page))]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
+LONG = {"ci.md", "fitting.md", "hardware.md", "lod-models.md", "recording.md", "scenes.md"}
+"""Pages that draw, fit or simplify for some ten seconds; the README has each in a short form."""
 
 
-@pytest.mark.parametrize("page", [p for p in RUNNING if p not in ON_REAL_DATA], ids=page_name)
+def params(pages: list[Path]) -> list[Any]:
+    """Return pages as parameters of a test, the long ones marked slow."""
+    slow = pytest.mark.slow
+    return [pytest.param(p, marks=[slow] if p.name in LONG else [], id=page_name(p)) for p in pages]
+
+
+@pytest.mark.parametrize("page", params([p for p in RUNNING if p not in ON_REAL_DATA]))
 def test_commands_run(page: Path, command: Callable[[str], tuple[int, str]]) -> None:
     """Every command of a page does what the page says."""
     run_page(page, command)
 
 
 @pytest.mark.realdata
-@pytest.mark.parametrize("page", ON_REAL_DATA, ids=page_name)
+@pytest.mark.parametrize("page", params(ON_REAL_DATA))
 def test_commands_run_on_real_data(
     page: Path, command: Callable[[str], tuple[int, str]], data_dir: Path
 ) -> None:
