@@ -4,14 +4,14 @@ import inspect
 import json
 import re
 from collections.abc import Callable, Iterator
-from enum import StrEnum
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
 from typer import Argument, Typer
 
 from .shared.options import AsJson
 
 Item = dict[str, Any]
+Subject = Literal["policies", "scenes", "traces", "hardware", "metrics", "formats"]
 
 _ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in full
 _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
@@ -20,33 +20,23 @@ _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
 app = Typer(add_completion=False)
 
 
-class Kind(StrEnum):
-    """Things that have names."""
-
-    POLICIES = "policies"
-    SCENES = "scenes"
-    TRACES = "traces"
-    HARDWARE = "hardware"
-    METRICS = "metrics"
-
-
 @app.command("list")
 def list_known(
-    kind: Annotated[Kind, Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
+    kind: Annotated[Subject, Argument(metavar="KIND", help=f"{', '.join(get_args(Subject))}.")],
     *,
     as_json: AsJson = False,
 ) -> None:
-    """List policies, scenes, traces, hardware or metrics."""
+    """List policies, scenes, traces, hardware, metrics or formats of files."""
     items = known(kind)
     if as_json:
         print(json.dumps({"schema": "lodbench.list/1", "kind": kind, "items": items}))
-    elif kind in {Kind.POLICIES, Kind.HARDWARE}:
+    elif kind in {"policies", "hardware"}:
         _print_sections(items)
     else:
         _print_table(items)
 
 
-def known(kind: Kind) -> list[Item]:
+def known(kind: Subject) -> list[Item]:
     """Return a record of everything of a kind, all with the same keys."""
     return list(_KNOWN[kind]())
 
@@ -86,9 +76,7 @@ def _rest(frames: int | None) -> list[str]:
     """Say after how many frames a policy rests, if it claims to."""
     if frames is None:
         return []
-    if frames == 0:
-        return ["rests at once"]
-    return [f"rests after {frames} frame{'s' * (frames != 1)}"]
+    return [f"rests after {frames} frame{'s' * (frames != 1)}" if frames else "rests at once"]
 
 
 def _headings(docstring: str) -> dict[str, str]:
@@ -154,12 +142,23 @@ def _metrics() -> Iterator[Item]:
         yield {key: value for key, value in asdict(metric).items() if key != "function"}
 
 
-_KNOWN: dict[str, Callable[[], Iterator[Item]]] = {
+def _formats() -> Iterator[Item]:
+    from ..traces.cameras.read_trace import FORMATS
+    from ..traces.logs.read_log import LOG_FORMATS
+
+    for name in FORMATS:
+        yield {"name": name, "of": "camera traces", "about": FORMATS.find(name).what}
+    for name in LOG_FORMATS:
+        yield {"name": name, "of": "render logs", "about": LOG_FORMATS.find(name).what}
+
+
+_KNOWN: dict[Subject, Callable[[], Iterator[Item]]] = {
     "policies": _policies,
     "scenes": _scenes,
     "traces": _traces,
     "hardware": _hardware,
     "metrics": _metrics,
+    "formats": _formats,
 }
 
 

@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...base.errors import InputError
+
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from collections.abc import Mapping
 
@@ -17,15 +19,19 @@ _MOST_TYPES = 64  # in a table; --json has them all
 _READERS = ("3d-tiles", "gltf")
 
 
-def check_scene_options(out: Path, seed: int) -> None:
-    """Refuse, before the work, a file that could not be written or found by its name."""
-    from ...base.errors import InputError
-    from ...models.scene.scene_catalog import SUFFIX
-
-    if out.suffix != SUFFIX:
-        raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
+def check_output(out: Path, suffix: str) -> None:
+    """Refuse, before the work, a file that could not be written or is called something else."""
+    if out.suffix.lower() != suffix:
+        raise InputError(f"expected a name that ends in {suffix}, got '{out.name}'", path=out)
     if not out.parent.is_dir():
         raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+
+
+def check_scene_options(out: Path, seed: int) -> None:
+    """Refuse, before the work, a file that could not be written or found by its name."""
+    from ...models.scene.scene_catalog import SUFFIX
+
+    check_output(out, SUFFIX)
     if seed < 0:
         raise InputError(f"seed: expected an integer >= 0, got {seed}")
 

@@ -92,7 +92,7 @@ def test_convert_places_and_reports_repairs(tmp_path: Path) -> None:
     [
         (["info", "absent.csv"], "absent.csv: expected a file that can be read"),
         (["info", "absent.csv", "--from", "tumm"], "trace format: expected one of"),
-        (["generate", "fly", "--out", "a.csv"], "expected a kind out of"),
+        (["generate", "fly", "--out", "a.csv"], "expected one of walk, drive"),
         (["generate", "walk", "--out", "a.dat"], "expected a name that ends in"),
         (["generate", "walk", "--out", "a.csv", "--duration-s", "-1"], "expected a duration"),
         (["convert", "absent.csv", "a.csv", "--scale", "0"], "expected a scale above 0"),
