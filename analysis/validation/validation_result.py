@@ -43,7 +43,7 @@ class Errors:
     model: ErrorSummary
     v_time: ErrorSummary
     simulation: ErrorSummary
-    again: ErrorSummary | None
+    again: ErrorSummary | None = None
 
 
 @dataclass(frozen=True, slots=True)
