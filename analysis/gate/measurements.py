@@ -5,7 +5,7 @@ both, so that what the two runs share does not blur their difference (common ran
 Simulation Modeling and Analysis, chapter 11).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -156,12 +156,9 @@ def _pool(runs: list[Scored]) -> Pool:
         if len(arrays) == len(runs):
             pool[metric.id] = _mean(np.array(arrays))
         elif len(known) == len(runs) > 1:
-            pool[metric.id] = _mean_over_seeds(np.array(known), _count(runs))
+            count = max(len(array) for run in runs for array in run.resampled.values())
+            pool[metric.id] = _mean_over_seeds(np.array(known), count)
     return pool
-
-
-def _count(runs: Iterable[Scored]) -> int:
-    return max(len(array) for run in runs for array in run.resampled.values())
 
 
 def _mean(values: FloatArray) -> FloatArray:
