@@ -6,6 +6,10 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal, get_args
 
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Column, Table
+from rich.text import Text
 from typer import Argument, Typer
 
 from .shared.options import AsJson
@@ -164,11 +168,6 @@ _KNOWN: dict[Subject, Callable[[], Iterator[Item]]] = {
 
 def _print_sections(items: list[Item]) -> None:
     """Print things that are described by sentences, one below the other."""
-    from rich.console import Console
-    from rich.padding import Padding
-    from rich.table import Table
-    from rich.text import Text
-
     console = Console(highlight=False)
     for item in items:
         table = Table(box=None, show_header=False, padding=(0, 1))
@@ -189,10 +188,6 @@ def _rows(item: Item) -> Iterator[tuple[str, str]]:
 
 def _print_table(items: list[Item]) -> None:
     """Print things that are described by a few words and numbers, one a line."""
-    from rich.console import Console
-    from rich.table import Column, Table
-    from rich.text import Text
-
     first, *others = (key for key in items[0] if key not in _ONLY_IN_JSON)
     table = Table(Column(first, no_wrap=True), *map(_label, others))
     for item in items:

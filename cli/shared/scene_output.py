@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...analysis.report.terminal import titled_table
 from ...base.errors import InputError
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
@@ -89,8 +90,6 @@ def _print(record: dict[str, Any]) -> None:
 
 
 def _depth_table(record: dict[str, Any]) -> "Table":
-    from ...analysis.report.terminal import titled_table
-
     columns = ("depth", "nodes", "leaves", "triangles")
     table = titled_table(f"{record['scene']}: nodes by depth", (*columns, "greatest error m"))
     for row in record["depths"]:
@@ -100,8 +99,6 @@ def _depth_table(record: dict[str, Any]) -> "Table":
 
 def _type_table(record: dict[str, Any]) -> "Table":
     from rich.text import Text
-
-    from ...analysis.report.terminal import titled_table
 
     columns = ("type", "objects", "level", "triangles", "vertices", "draws", "error m", "KiB")
     table = titled_table(f"{record['scene']}: types and levels of detail", columns)

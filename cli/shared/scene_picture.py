@@ -23,7 +23,6 @@ def check_picture(out: Path, frame: int) -> None:
 def draw_picture(
     opened: "OpenedScene",
     out: Path,
-    *,
     trace: str,
     policy: str | None,
     frame: int,
@@ -38,14 +37,8 @@ def draw_picture(
     from ...render.pictures.snapshot import take_snapshot
     from ...sim.replay import ReplayOptions
 
-    profile = load_hardware(hardware)
-    usual = "static-screen" if opened.scene.flat else "screen-space-error"
-    shot = take_snapshot(
-        parse_policy(policy or usual),
-        opened.scene,
-        load_trace(trace, opened.scene),
-        profile,
-        ReplayOptions(budget_ms=frame_budget(budget_ms, profile)),
-        frame,
-    )
+    scene, profile = opened.scene, load_hardware(hardware)
+    spec = parse_policy(policy or ("static-screen" if scene.flat else "screen-space-error"))
+    options = ReplayOptions(budget_ms=frame_budget(budget_ms, profile))
+    shot = take_snapshot(spec, scene, load_trace(trace, scene), profile, options, frame)
     write_picture(out, draw_snapshot(shot, opened.read_geometry()))
