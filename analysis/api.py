@@ -15,14 +15,7 @@ from ..sim.faults import Faults
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions
 from ..sim.replay import replay as _replay
-from .study.inputs import (
-    HardwareLike,
-    SceneLike,
-    TraceLike,
-    as_hardware,
-    as_scene,
-    as_trace,
-)
+from .study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
 
 if TYPE_CHECKING:  # loaded by the function that needs them
     from .gate.check_result import CheckReport
@@ -221,7 +214,7 @@ def register(name: str, thing: Any) -> None:
 
 
 def _only(traces: TraceLike | Sequence[TraceLike]) -> TraceLike:
-    given: tuple[TraceLike, ...] = _several(traces)
+    given = _several(traces)
     if len(given) != 1:
         raise InputError(f"traces: expected one, got {len(given)}; compare on each by itself")
     return given[0]

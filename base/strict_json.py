@@ -1,4 +1,4 @@
-"""JSON read strictly into typed records: every mistake is told with its line or place."""
+"""Records as JSON: written, and read strictly, so that mistakes are told with line or place."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -15,6 +15,13 @@ def read_json(path: Path, kind: type[T], what: str, advice: str) -> T:
     """Return the content of a JSON file as `decode_json`; raises as it and `read_text`."""
     text = read_text(path, advice=advice)
     return decode_json(text.encode(), kind, what, advice, path=path, first_line=1)
+
+
+def encode_record(record: object) -> bytes:
+    """Return the JSON of a dataclass with a field `schema`, indented, its schema first."""
+    fields: dict[str, object] = msgspec.to_builtins(record)
+    ordered = {"schema": fields.pop("schema"), **fields}
+    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"
 
 
 def decode_json(

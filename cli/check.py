@@ -1,6 +1,5 @@
 """`lodbench check`: the frame-budget gate for continuous integration."""
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Exit, Option
 
 from .shared import options
+from .shared.inputs import print_record, print_result
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..analysis.gate.check_result import CheckReport
-    from ..analysis.gate.limits import Limits
+    from ..analysis.gate.limits import LimitRules
     from ..analysis.gate.measurements import Conditions, MeasuredPolicy
 
 Run = Annotated[
@@ -104,7 +104,7 @@ def check(
 
 def _update(
     path: Path,
-    limits: "Limits",
+    limits: "LimitRules",
     conditions: "Conditions",
     measured: "list[MeasuredPolicy]",
     *,
@@ -118,19 +118,16 @@ def _update(
         print(f"FAILS: {broken[0].policy}: {broken[0].reason}", file=sys.stderr)
         raise Exit(1)
     write_baseline(path, make_baseline(conditions, measured, limits))
-    if as_json:
-        print(json.dumps({"schema": "lodbench.check/1", "baseline": str(path)}))
-    else:
-        print(f"baseline: {path}")
+    record = {"schema": "lodbench.check/1", "baseline": str(path)}
+    print_result(record, f"baseline: {path}", as_json=as_json)
 
 
 def _print(report: "CheckReport", limits: Path | None, *, as_json: bool, github: bool) -> None:
-    from ..analysis.gate.check_result import encode_report
     from ..analysis.gate.github import annotations
     from ..analysis.gate.plain_text import lines
 
     if as_json:
-        print(encode_report(report).decode(), end="")
+        print_record(report)
     else:
         print("\n".join(lines(report)))
     if github:

@@ -7,11 +7,10 @@ from typer import Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
-from .shared.inputs import frame_budget, open_named_scene, table_console
+from .shared.inputs import frame_budget, open_named_scene, print_record, table_console
 from .shared.progress import progress_bar
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.study.comparison import Comparison
     from ..models.machine.hardware import HardwareProfile
     from ..sim.faults import Faults
 
@@ -70,6 +69,7 @@ def compare(
     faults: FaultyTimers = "",
 ) -> None:
     """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
+    from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study import compare as study
     from ..analysis.study.comparison_folder import check_target, write_results
     from ..analysis.study.inputs import load_trace
@@ -99,7 +99,10 @@ def compare(
         )
     if out is not None:
         write_results(out, comparison, logs)
-    _print(comparison, as_json=as_json, wide=wide)
+    if as_json:
+        print_record(comparison)
+    else:
+        print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:
@@ -144,14 +147,3 @@ def _parse_faults(text: str) -> "Faults":
                 f"--faults: expected KIND=NUMBER with a kind of {', '.join(kinds)}, got {item}"
             )
     return Faults(**numbers)
-
-
-def _print(comparison: "Comparison", *, as_json: bool, wide: bool) -> None:
-    if as_json:
-        from ..analysis.study.comparison import encode_comparison
-
-        print(encode_comparison(comparison).decode(), end="")
-        return
-    from ..analysis.report.terminal_table import print_comparison
-
-    print_comparison(comparison, table_console(160 if wide else 100), wide=wide)

@@ -1,12 +1,12 @@
 """`lodbench export`: a simulated run for the viewers that users already have."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
 from ..base.errors import InputError
+from .shared.inputs import print_result
 from .shared.options import AsJson
 
 if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
@@ -43,18 +43,16 @@ def export(
     path, log = _read_run(run, policy)
     target = out or Path(path.stem + EXPORTS[export_format].suffix)
     EXPORTS[export_format].write(log, target)
-    if as_json:
-        record = {
-            "schema": "lodbench.export/1",
-            "run": str(path),
-            "policy": log.header.policy,
-            "format": export_format,
-            "out": str(target),
-            "frames": len(log),
-        }
-        print(json.dumps(record))
-    else:
-        print(f"{target}: {len(log)} frames of {log.header.policy}, {export_format}")
+    record = {
+        "schema": "lodbench.export/1",
+        "run": str(path),
+        "policy": log.header.policy,
+        "format": export_format,
+        "out": str(target),
+        "frames": len(log),
+    }
+    text = f"{target}: {len(log)} frames of {log.header.policy}, {export_format}"
+    print_result(record, text, as_json=as_json)
 
 
 def _read_run(run: Path, policy: str | None) -> tuple[Path, "FrameLog"]:

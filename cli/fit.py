@@ -109,6 +109,7 @@ def fit(
     """
     from ..analysis.fit.fit import FitOptions, Source, fit_logs, target_of
     from ..analysis.fit.fit_document import fit_record
+    from ..analysis.fit.fit_table import print_fit
     from ..analysis.fit.log_files import log_path
     from ..analysis.fit.sampling.sampler import SamplerOptions
     from ..models.machine.profile_catalog import load_hardware
@@ -128,7 +129,11 @@ def fit(
         result = fit_logs(
             sources, time, settings, transfer=transfer, resume=resume, progress=progress
         )
-    _print(fit_record(result), as_json=as_json)
+    record = fit_record(result)
+    if as_json:
+        print(json.dumps(record, ensure_ascii=False))
+    else:
+        print_fit(record, table_console(120))
     doubt = result.diagnostics.doubt
     if doubt:
         print(f"warning: {doubt}: intervals are not to be trusted; raise --steps", file=sys.stderr)
@@ -193,12 +198,3 @@ def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path
         raise InputError(
             "expected a .toml file in a folder that exists; name such a path", path=out
         )
-
-
-def _print(record: dict[str, Any], *, as_json: bool) -> None:
-    if as_json:
-        print(json.dumps(record, ensure_ascii=False))
-        return
-    from ..analysis.fit.fit_table import print_fit
-
-    print_fit(record, table_console(120))

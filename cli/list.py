@@ -4,14 +4,18 @@ import inspect
 import json
 import re
 from collections.abc import Callable, Iterator
-from enum import StrEnum
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Column, Table
+from rich.text import Text
 from typer import Argument, Typer
 
 from .shared.options import AsJson
 
 Item = dict[str, Any]
+Subject = Literal["policies", "scenes", "traces", "hardware", "metrics", "formats"]
 
 _ONLY_IN_JSON = ("group", "source")  # of metrics, which docs/metrics.md has in full
 _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
@@ -20,33 +24,23 @@ _UNITS = {"m_s": "m/s", "deg_s": "deg/s", "m": "m"}
 app = Typer(add_completion=False)
 
 
-class Kind(StrEnum):
-    """Things that have names."""
-
-    POLICIES = "policies"
-    SCENES = "scenes"
-    TRACES = "traces"
-    HARDWARE = "hardware"
-    METRICS = "metrics"
-
-
 @app.command("list")
 def list_known(
-    kind: Annotated[Kind, Argument(metavar="KIND", help=f"{', '.join(Kind)}.")],
+    kind: Annotated[Subject, Argument(metavar="KIND", help=f"{', '.join(get_args(Subject))}.")],
     *,
     as_json: AsJson = False,
 ) -> None:
-    """List policies, scenes, traces, hardware or metrics."""
+    """List policies, scenes, traces, hardware, metrics or formats of files."""
     items = known(kind)
     if as_json:
         print(json.dumps({"schema": "lodbench.list/1", "kind": kind, "items": items}))
-    elif kind in {Kind.POLICIES, Kind.HARDWARE}:
+    elif kind in {"policies", "hardware"}:
         _print_sections(items)
     else:
         _print_table(items)
 
 
-def known(kind: Kind) -> list[Item]:
+def known(kind: Subject) -> list[Item]:
     """Return a record of everything of a kind, all with the same keys."""
     return list(_KNOWN[kind]())
 
@@ -86,9 +80,7 @@ def _rest(frames: int | None) -> list[str]:
     """Say after how many frames a policy rests, if it claims to."""
     if frames is None:
         return []
-    if frames == 0:
-        return ["rests at once"]
-    return [f"rests after {frames} frame{'s' * (frames != 1)}"]
+    return [f"rests after {frames} frame{'s' * (frames != 1)}" if frames else "rests at once"]
 
 
 def _headings(docstring: str) -> dict[str, str]:
@@ -154,22 +146,28 @@ def _metrics() -> Iterator[Item]:
         yield {key: value for key, value in asdict(metric).items() if key != "function"}
 
 
-_KNOWN: dict[str, Callable[[], Iterator[Item]]] = {
+def _formats() -> Iterator[Item]:
+    from ..traces.cameras.read_trace import FORMATS
+    from ..traces.logs.read_log import LOG_FORMATS
+
+    for name in FORMATS:
+        yield {"name": name, "of": "camera traces", "about": FORMATS.find(name).what}
+    for name in LOG_FORMATS:
+        yield {"name": name, "of": "render logs", "about": LOG_FORMATS.find(name).what}
+
+
+_KNOWN: dict[Subject, Callable[[], Iterator[Item]]] = {
     "policies": _policies,
     "scenes": _scenes,
     "traces": _traces,
     "hardware": _hardware,
     "metrics": _metrics,
+    "formats": _formats,
 }
 
 
 def _print_sections(items: list[Item]) -> None:
     """Print things that are described by sentences, one below the other."""
-    from rich.console import Console
-    from rich.padding import Padding
-    from rich.table import Table
-    from rich.text import Text
-
     console = Console(highlight=False)
     for item in items:
         table = Table(box=None, show_header=False, padding=(0, 1))
@@ -190,10 +188,6 @@ def _rows(item: Item) -> Iterator[tuple[str, str]]:
 
 def _print_table(items: list[Item]) -> None:
     """Print things that are described by a few words and numbers, one a line."""
-    from rich.console import Console
-    from rich.table import Column, Table
-    from rich.text import Text
-
     first, *others = (key for key in items[0] if key not in _ONLY_IN_JSON)
     table = Table(Column(first, no_wrap=True), *map(_label, others))
     for item in items:

@@ -31,7 +31,7 @@ COMMANDS = {
     "badly.",
     "validate": "Compare simulated with measured: errors of frame times, metrics, and order of "
     "policies.",
-    "list": "List policies, scenes, traces, hardware or metrics.",
+    "list": "List policies, scenes, traces, hardware, metrics or formats of files.",
     "scene": "Build scenes from meshes, and look at them.",
     "trace": "Look at camera traces, convert them, and generate them.",
 }

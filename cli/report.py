@@ -1,11 +1,11 @@
 """`lodbench report`: write the report of a comparison again."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 from typer import Argument
 
+from .shared.inputs import print_result
 from .shared.options import AsJson
 
 Folder = Annotated[Path, Argument(metavar="DIR", help="A folder that `compare --out` wrote.")]
@@ -16,7 +16,5 @@ def report(run: Folder, *, as_json: AsJson = False) -> None:
     from ..analysis.study.comparison_folder import rewrite_report
 
     target = rewrite_report(run)
-    if as_json:
-        print(json.dumps({"schema": "lodbench.report/1", "report": str(target)}))
-    else:
-        print(f"report: {target}")
+    record = {"schema": "lodbench.report/1", "report": str(target)}
+    print_result(record, f"report: {target}", as_json=as_json)

@@ -116,15 +116,7 @@ def info(
         check_picture(picture, frame)
     opened = open_named_scene(scene)
     if picture is not None:
-        draw_picture(
-            opened,
-            picture,
-            trace=trace,
-            policy=policy,
-            frame=frame,
-            hardware=hardware,
-            budget_ms=budget_ms,
-        )
+        draw_picture(opened, picture, trace, policy, frame, hardware, budget_ms)
     show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
 
 

@@ -2,7 +2,6 @@
 
 import json
 import shlex
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -95,20 +94,13 @@ def stress(
         "limits": str(limits),
         "check": check,
     }
-    print(json.dumps(record, indent=1) if as_json else _text(record, check))
-
-
-def _text(record: Mapping[str, object], check: list[str]) -> str:
-    """Return how bad the path is, and how to keep it as a test."""
-    badness, value, walk = record["badness"], record["value"], record["walk"]
-    return "\n".join(
-        (
-            f"{badness} {value:.3g} on the path found, {walk:.3g} on the bundled walk",
-            f"path: {record['trace']}",
-            f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}",
-            f"test it from then on:   {shlex.join(check)}",
-        )
-    )
+    if as_json:
+        print(json.dumps(record, indent=1))
+        return
+    print(f"{badness} {worst.value:.3g} on the path found, {walk:.3g} on the bundled walk")
+    print(f"path: {out}")
+    print(f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}")
+    print(f"test it from then on:   {shlex.join(check)}")
 
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:

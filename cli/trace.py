@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option, Typer
 
+from .shared.inputs import print_result
 from .shared.options import AsJson
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
@@ -158,20 +159,17 @@ def _read_placed(
 def _report_written(
     schema: str, out: Path, format_name: str, trace: "CameraTrace", *, as_json: bool
 ) -> None:
-    if as_json:
-        record = {
-            "schema": schema,
-            "out": str(out),
-            "format": format_name,
-            "samples": len(trace),
-            "duration_s": trace.duration_s,
-            "repairs": [str(repair) for repair in trace.repairs],
-        }
-        print(json.dumps(record))
-        return
-    print(f"{out}: {len(trace)} samples, {trace.duration_s:.3f} s, {format_name}")
-    for repair in trace.repairs:
-        print(f"repaired: {repair}")
+    record = {
+        "schema": schema,
+        "out": str(out),
+        "format": format_name,
+        "samples": len(trace),
+        "duration_s": trace.duration_s,
+        "repairs": [str(repair) for repair in trace.repairs],
+    }
+    written = f"{out}: {len(trace)} samples, {trace.duration_s:.3f} s, {format_name}"
+    text = "\n".join((written, *(f"repaired: {repair}" for repair in trace.repairs)))
+    print_result(record, text, as_json=as_json)
 
 
 def _print_info(name: str, format_name: str, scale: float, stats: "TraceStats") -> None:

@@ -1,18 +1,15 @@
 """`lodbench validate`: record policies on a real renderer, simulate the same, and compare."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from typer import Option
 
 from ..base.errors import InputError
 from .record import parse_size
 from .shared import options
-from .shared.inputs import frame_budget, open_named_scene, table_console
+from .shared.inputs import frame_budget, open_named_scene, print_record, table_console
 from .shared.progress import progress_bar
-
-if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..analysis.validation.validation_result import Validation
 
 POLICIES = (
     "full",
@@ -85,6 +82,7 @@ def validate(
     from ..analysis.validation.validate import require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
     from ..analysis.validation.validation_folder import read_recordings, write_validation
+    from ..analysis.validation.validation_table import print_validation
     from ..models.machine.profile_catalog import load_hardware
     from ..render.gl.recorder import recorded_hardware
     from ..sim.replay import ReplayOptions
@@ -122,7 +120,12 @@ def validate(
     validation = compare_sides(comparison, pairs, profile, log)
     if out is not None:
         write_validation(out, validation, pairs, recorded or recordings)
-    _print(validation, out, as_json=as_json)
+    if as_json:
+        print_record(validation)
+        return
+    print_validation(validation, table_console(120))
+    if out is not None:
+        print(f"report: {out / 'report.html'}")
 
 
 def _check_arguments(labels: list[str], out: Path | None, recorded: Path | None) -> None:
@@ -135,16 +138,3 @@ def _check_arguments(labels: list[str], out: Path | None, recorded: Path | None)
         check_folder(out)
         if recorded is not None and recorded.absolute() in out.absolute().parents:
             raise InputError("expected a folder beside the recordings, got one in them", path=out)
-
-
-def _print(validation: "Validation", out: Path | None, *, as_json: bool) -> None:
-    if as_json:
-        from ..analysis.validation.validation_result import encode
-
-        print(encode(validation).decode(), end="")
-        return
-    from ..analysis.validation.validation_table import print_validation
-
-    print_validation(validation, table_console(120))
-    if out is not None:
-        print(f"report: {out / 'report.html'}")

@@ -41,7 +41,6 @@ class Estimate:
     terms: tuple[Term, ...]
     design: Design
     posterior: LogPosterior
-    center: FloatArray
     chain: Chain
 
     @property
@@ -65,7 +64,7 @@ class Estimate:
 
 
 def posterior_of(
-    sample: Sample, terms: Sequence[Term], model: Model, kind: Literal["weak", "flat"] = "weak"
+    sample: Sample, terms: Sequence[Term], model: Model
 ) -> tuple[Design, LogPosterior, FloatArray]:
     """Return design, log-posterior and its optimum.
 
@@ -78,7 +77,7 @@ def posterior_of(
             f"coefficients, got {len(sample)}; log for longer, or fit fewer terms"
         )
     mean_ms = float(sample.time_ms.mean())
-    priors = Priors(mean_ms, kind)
+    priors = Priors(mean_ms)
 
     def likelihood_of(part: Design, time_ms: FloatArray) -> Likelihood:
         if model == "gaussian":
@@ -113,4 +112,4 @@ def estimate(
     """Sample the posterior of a model given frames; raises InputError as `posterior_of`."""
     design, posterior, center = posterior_of(sample, terms, model)
     chain = sample_chain(posterior, center, options, resume=resume, progress=progress)
-    return Estimate(sample, tuple(terms), design, posterior, center, chain)
+    return Estimate(sample, tuple(terms), design, posterior, chain)

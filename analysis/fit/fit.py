@@ -78,8 +78,6 @@ class Fit:
     rejected : frames that could not be measurements, by reason
     findings : what to beware of in the logs
     candidates : sets of terms and their scores, if terms were chosen
-    coefficients : (S, K) float64, all samples, ms per unit
-    combinations : samples of the informed combination of each collinear group, (S,) each
     heldout : error on frames that were held out, if any were
     transfer : errors on other logs
     """
@@ -97,8 +95,11 @@ class Fit:
     checks: tuple[Check, ...]
     heldout: HeldOut | None
     transfer: tuple[HeldOut, ...]
-    coefficients: FloatArray
-    combinations: tuple[FloatArray, ...]
+
+    @property
+    def coefficients(self) -> FloatArray:
+        """All samples of the coefficients, (S, K), ms per unit."""
+        return self.estimate.coefficients_ms
 
     def __repr__(self) -> str:
         logs = ", ".join(source.log.name for source in self.sources)
@@ -149,23 +150,14 @@ def fit_logs(
         raise InputError(f"--heldout: expected one of {known}, got {options.heldout}")
     findings = _accepted(logs, target)
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
-    identity = _identity(sample, terms, options)
-    found = estimate(
-        sample,
-        terms,
-        options.model,
-        options.sampler,
-        resume=None if resume is None else (resume, identity),
-        progress=progress,
-    )
+    kept = None if resume is None else (resume, _identity(sample, terms, options))
+    model, sampler = options.model, options.sampler
+    found = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
     held = None
     if options.heldout != NO_SPLIT:
-        held = hold_out(sample, terms, options.model, options.sampler, options.heldout)
-    width = len(found.design.names)
-    scaled = found.chain.flat[:, :width]
-    coefficients = found.coefficients_ms
-    collinearity = examine(found.design, scaled.mean(axis=0))
-    rng = np.random.default_rng(options.sampler.seed)
+        held = hold_out(sample, terms, model, sampler, options.heldout)
+    scaled = found.chain.flat[:, : len(found.design.names)]
+    rng = np.random.default_rng(sampler.seed)
     return Fit(
         tuple(sources),
         target,
@@ -175,16 +167,11 @@ def fit_logs(
         candidates,
         found,
         diagnose(found.chain),
-        collinearity,
+        examine(found.design, scaled.mean(axis=0)),
         sensitivity(scaled, found.posterior.priors),
         check_predictive(found.draws, found.design, sample.time_ms, rng),
         held,
         tuple(_transfer(found, log, target, options) for log in transfer),
-        coefficients,
-        tuple(
-            coefficients[:, [found.design.names.index(name) for name in group.names]] @ group.ratio
-            for group in collinearity.groups
-        ),
     )
 
 
@@ -194,14 +181,14 @@ def target_of(log: RenderLog) -> TimeName:
     Raises `InputError` if neither carries cost, with the reason of each.
     """
     refused = {finding.column: finding.message for finding in check_log(log) if finding.refuse}
-    reasons: list[str] = []
     names: tuple[TimeName, ...] = ("gpu_ms", "frame_ms")
     for name in names:
         if name in log.times and name not in refused:
             return name
-        if name in refused:
-            reasons.append(refused[name])
-    why = "; ".join(reasons) or f"got a log with {', '.join(log.times)}; name it with --target"
+    why = (
+        "; ".join(refused[name] for name in names if name in refused)
+        or f"got a log with {', '.join(log.times)}; name it with --target"
+    )
     raise InputError(f"{log.name}: expected a gpu_ms or frame_ms that carries cost; {why}")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...models.machine.profile_file import PER_MS
-from .fit import Fit
+from .fit import Fit, Source
 from .noise import residual_model
 
 _DIGITS = 6  # of every number; more would differ from machine to machine
@@ -15,12 +15,12 @@ _DIGITS = 6  # of every number; more would differ from machine to machine
 
 def fit_record(fit: Fit) -> dict[str, Any]:
     """Return the record that is printed as JSON, and that tables are made from."""
-    found = fit.estimate
+    found, coefficients = fit.estimate, fit.coefficients
     names = found.design.names
     record = {
         "schema": "lodbench.fit/1",
         "log": ", ".join(source.log.name for source in fit.sources),
-        "logs": [_source(fit, place) for place in range(len(fit.sources))],
+        "logs": [_source(fit, source, place) for place, source in enumerate(fit.sources)],
         "target": fit.target,
         "terms": [str(term) for term in found.terms],
         "model": fit.options.model,
@@ -31,13 +31,13 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "rows_worth": found.posterior.worth * len(found.sample),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {
-            name: _interval(fit.coefficients[:, place])
+            name: _interval(samples)
             | {
-                "prior_contraction": fit.sensitivity[place].contraction,
-                "prior_shift_sd": fit.sensitivity[place].shift_sd,
-                "informed": fit.sensitivity[place].informed,
+                "prior_contraction": prior.contraction,
+                "prior_shift_sd": prior.shift_sd,
+                "informed": prior.informed,
             }
-            for place, name in enumerate(names)
+            for name, samples, prior in zip(names, coefficients.T, fit.sensitivity, strict=True)
         },
         "noise": _noise(fit),
         "priors": list(found.posterior.priors.describe(fit.options.model)),
@@ -49,9 +49,9 @@ def fit_record(fit: Fit) -> dict[str, Any]:
                 "columns": list(group.names),
                 "condition_index": group.condition_index,
                 "combination": group.combination,
-                **_interval(samples),
+                **_interval(coefficients[:, list(map(names.index, group.names))] @ group.ratio),
             }
-            for group, samples in zip(fit.collinearity.groups, fit.combinations, strict=True)
+            for group in fit.collinearity.groups
         ],
         "heldout": None if fit.heldout is None else asdict(fit.heldout),
         "transfer": [asdict(item) for item in fit.transfer],
@@ -60,13 +60,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
     return _rounded(record)
 
 
-def _unit_of(value_ms: float) -> str:
-    """Return the largest unit in which a time is at least 1: ms, us or ns."""
-    return next((unit for unit in ("ms", "us") if value_ms * PER_MS[unit] >= 1.0), "ns")
-
-
-def _source(fit: Fit, place: int) -> dict[str, Any]:
-    source = fit.sources[place]
+def _source(fit: Fit, source: Source, place: int) -> dict[str, Any]:
     return {
         "name": source.log.name,
         "format": source.log.format,
@@ -78,17 +72,12 @@ def _source(fit: Fit, place: int) -> dict[str, Any]:
 
 
 def _interval(samples_ms: FloatArray) -> dict[str, Any]:
-    unit = _unit_of(float(samples_ms.mean()))
+    """Return a time's posterior, in the largest unit in which its mean is at least 1."""
+    mean_ms = float(samples_ms.mean())
+    unit = next((unit for unit in ("ms", "us") if mean_ms * PER_MS[unit] >= 1.0), "ns")
     samples = samples_ms * PER_MS[unit]
-    q05, q50, q95 = np.quantile(samples, (0.05, 0.5, 0.95)).tolist()
-    return {
-        "mean": float(samples.mean()),
-        "sd": float(samples.std()),
-        "q05": q05,
-        "q50": q50,
-        "q95": q95,
-        "unit": unit,
-    }
+    spread = _spread(samples)
+    return {"mean": spread.pop("mean"), "sd": float(samples.std()), **spread, "unit": unit}
 
 
 def _noise(fit: Fit) -> dict[str, Any]:

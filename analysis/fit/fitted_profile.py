@@ -70,15 +70,11 @@ def profile_of(
     base = coefficients.pop(BASE)
     if fit.target == "cpu_ms":
         return replace(before, cpu=CpuCostModel.of(base, coefficients), cpu_residual=residual)
-    linear = {key: value for key, value in coefficients.items() if not key.startswith(ROOFLINE)}
-    roofline = {
-        key.removeprefix(ROOFLINE): value
-        for key, value in coefficients.items()
-        if key.startswith(ROOFLINE)
-    }
+    sides = [key for key in coefficients if key.startswith(ROOFLINE)]
+    roofline = {key.removeprefix(ROOFLINE): coefficients.pop(key) for key in sides}
     return replace(
         before,
-        gpu=CostModel.of(base, linear, roofline),
+        gpu=CostModel.of(base, coefficients, roofline),
         gpu_residual=residual,
         posterior=_posterior(fit, residual),
         frames_in_flight=1 if fit.target == "frame_ms" else before.frames_in_flight,

@@ -12,7 +12,7 @@ from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.strict_json import read_json
 from ...base.whole_file import write_whole
-from .limits import Limits
+from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 
 _SCHEMA = "lodbench.baseline/1"
@@ -49,23 +49,20 @@ class Baseline:
 
     def find(self, measured: MeasuredPolicy, metric: str) -> tuple[float, FloatArray] | None:
         """Return value and resamples of a metric, or None if the baseline does not have it."""
-        wanted = (measured.policy, measured.scene, measured.trace)
         for case in self.cases:
-            if (case.policy, case.scene, case.trace) == wanted and metric in case.metrics:
+            if (case.policy, case.scene, case.trace) == measured.case and metric in case.metrics:
                 entry = case.metrics[metric]
                 return entry.value, np.array(entry.resampled)
         return None
 
 
 def make_baseline(
-    conditions: Conditions, measured: Iterable[MeasuredPolicy], limits: Limits
+    conditions: Conditions, measured: Iterable[MeasuredPolicy], limits: LimitRules
 ) -> Baseline:
     """Return the baseline that the relative limits need; policies without scores are left out."""
     cases: list[_Case] = []
     for item in measured:
-        wanted = sorted(
-            {x.metric for x in limits.of(item.policy, item.scene, item.trace) if x.relative}
-        )
+        wanted = sorted({limit.metric for limit in limits.of(*item.case) if limit.relative})
         entries: dict[str, Entry] = {}
         for metric in wanted:
             score = item.scores.get(metric)
@@ -74,7 +71,7 @@ def make_baseline(
                 resampled = np.nan_to_num(item.paired[metric], nan=score.value)
                 entries[metric] = Entry(score.value, resampled.tolist())
         if entries:
-            cases.append(_Case(item.policy, item.scene, item.trace, entries))
+            cases.append(_Case(*item.case, entries))
     return Baseline(conditions, sorted(cases, key=lambda c: (c.scene, c.trace, c.policy)))
 
 

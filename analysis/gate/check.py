@@ -12,7 +12,7 @@ from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_s
 from ..study.score import World
 from .baseline import read_baseline
 from .check_result import CheckReport, judge_all
-from .limits import Limits
+from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy, MeasureOptions, measure
 
 
@@ -68,7 +68,7 @@ def measure_plan(
 
 
 def judge_measured(
-    limits: Limits,
+    limits: LimitRules,
     measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Path,

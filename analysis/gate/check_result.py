@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
-import msgspec
-
 from ...base.html_table import html_table
 from .baseline import Baseline
 from .judgement import Outcome, Verdict, judge, judge_failure
-from .limits import Limits
+from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 
 if TYPE_CHECKING:
@@ -70,7 +68,7 @@ class CheckReport:
 
 
 def judge_all(
-    limits: Limits,
+    limits: LimitRules,
     measured: Sequence[MeasuredPolicy],
     conditions: Conditions,
     baseline: Baseline | None,
@@ -83,22 +81,14 @@ def judge_all(
         if item.reason is not None:
             verdicts.append(judge_failure(item))
             continue
-        chosen = limits.of(item.policy, item.scene, item.trace)
+        chosen = limits.of(*item.case)
         verdicts += [judge(limit, item, conditions, baseline) for limit in chosen]
     unused = tuple(
         f"policy {rule.policy}, scene {rule.scene}, trace {rule.trace}"
         for rule in limits.rules
-        if rule.limits
-        and not any(rule.covers(item.policy, item.scene, item.trace) for item in measured)
+        if rule.limits and not any(rule.covers(*item.case) for item in measured)
     )
     wrong = {"fails", "undecided"} if strict else {"fails"}
     passed = not any(verdict.outcome in wrong for verdict in verdicts)
     passed = passed and not (strict and (unused or not verdicts))
     return CheckReport(passed, strict, conditions, tuple(verdicts), unused)
-
-
-def encode_report(report: CheckReport) -> bytes:
-    """Return the JSON of a report, indented, its schema first."""
-    fields: dict[str, object] = msgspec.to_builtins(report)
-    ordered = {"schema": fields.pop("schema"), **fields}
-    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"

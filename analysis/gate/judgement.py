@@ -70,8 +70,7 @@ class Verdict:
 def judge_failure(measured: MeasuredPolicy) -> Verdict:
     """Return the verdict on a policy without scores: it broke its contract, or does not apply."""
     outcome: Outcome = "fails" if measured.failed else "undecided"
-    names = (measured.policy, measured.scene, measured.trace)
-    return Verdict(*names, "contract", outcome, "", reason=measured.reason)
+    return Verdict(*measured.case, "contract", outcome, "", reason=measured.reason)
 
 
 def judge(
@@ -94,22 +93,9 @@ def judge(
     worst = None
     if score.value is not None:
         worst = find_worst(measured.logs, conditions.warmup, limit.metric)
-    return Verdict(
-        measured.policy,
-        measured.scene,
-        measured.trace,
-        limit.metric,
-        outcome,
-        limit.describe(conditions.budget_ms, conditions.refresh_hz),
-        limit.line,
-        score.value,
-        score.low,
-        score.high,
-        score.unit,
-        change,
-        reason,
-        worst,
-    )
+    text = limit.describe(conditions.budget_ms, conditions.refresh_hz)
+    judged = (*measured.case, limit.metric, outcome, text, limit.line)
+    return Verdict(*judged, score.value, score.low, score.high, score.unit, change, reason, worst)
 
 
 def _absolute(

@@ -1,6 +1,7 @@
 """A report as JUnit XML, which CI services show as tests: a suite a run, a case a limit."""
 
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -13,15 +14,13 @@ from .plain_text import describe, explain
 def write_junit(path: Path, report: CheckReport) -> None:
     """Write a report, all of it or nothing; undecided limits are skipped tests unless strict."""
     root = Element("testsuites", name="lodbench check")
-    for (policy, scene, trace), verdicts in groupby(report.verdicts, _suite):
+    for (policy, scene, trace), verdicts in groupby(
+        report.verdicts, attrgetter("policy", "scene", "trace")
+    ):
         _add_suite(root, f"{scene}.{trace}.{policy}", list(verdicts), report)
     indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
-
-
-def _suite(verdict: Verdict) -> tuple[str, str, str]:
-    return verdict.policy, verdict.scene, verdict.trace
 
 
 def _add_suite(root: Element, name: str, verdicts: list[Verdict], report: CheckReport) -> None:

@@ -1,6 +1,6 @@
 """Limits on metrics: for everything, or for some policies, scenes and traces."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
@@ -64,7 +64,7 @@ class Rule:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class LimitRules:
     """All rules of a file, in its order; a later one replaces an earlier one, metric by metric."""
 
     rules: tuple[Rule, ...]
@@ -87,14 +87,3 @@ class Limits:
             for limits in rule.limits.values()
             for limit in limits
         )
-
-    def absolute_only(self) -> "Limits":
-        """Return the limits that need no baseline."""
-        rules: list[Rule] = []
-        for rule in self.rules:
-            kept = {
-                metric: tuple(limit for limit in limits if not limit.relative)
-                for metric, limits in rule.limits.items()
-            }
-            rules.append(replace(rule, limits=kept))
-        return Limits(tuple(rules), self.path)

@@ -7,20 +7,18 @@ from ...base.errors import InputError
 from ...base.strict_toml import TomlDocument, read_toml
 from ..metrics.metric_registry import find_metric
 from .amount import Amount, parse_amount
-from .limits import Kind, Limit, Limits, Rule
+from .limits import Kind, Limit, LimitRules, Rule
 
-DEFAULT_LIMITS = """
-[limits]
-work_ms_p95 = { max = "budget" }
-frame_ms_p99 = { max_increase = "2.5%" }
-"""
+ABSOLUTE_LIMITS = '[limits]\nwork_ms_p95 = { max = "budget" }\n'
+"""Limits without a file and without a baseline."""
+DEFAULT_LIMITS = ABSOLUTE_LIMITS + 'frame_ms_p99 = { max_increase = "2.5%" }\n'
 """Limits without a file.  2.5 % lies midway between no change and the 5 % that has to be found."""
 
 _SCOPE = ("policy", "scene", "trace")
 _LARGEST_BYTES = 1 << 20
 
 
-def choose_limits(path: Path | None, baseline: Path, *, updating: bool = False) -> Limits:
+def choose_limits(path: Path | None, baseline: Path, *, updating: bool = False) -> LimitRules:
     """Return the limits of a file; without one `DEFAULT_LIMITS`, as far as they can be judged.
 
     Raises
@@ -28,17 +26,18 @@ def choose_limits(path: Path | None, baseline: Path, *, updating: bool = False) 
     InputError
         As `read_limits`; or if a baseline is to be updated that no limit needs.
     """
-    limits = parse_limits(DEFAULT_LIMITS) if path is None else read_limits(path)
+    if path is None:
+        judged = DEFAULT_LIMITS if updating or baseline.exists() else ABSOLUTE_LIMITS
+        return parse_limits(judged)
+    limits = read_limits(path)
     if updating and not limits.relative:
         raise InputError(
             "expected a limit relative to the baseline, got none; add max_increase", path=path
         )
-    if path is None and not updating and not baseline.exists():
-        return limits.absolute_only()
     return limits
 
 
-def read_limits(path: Path) -> Limits:
+def read_limits(path: Path) -> LimitRules:
     """Read a file of limits.
 
     ``[limits]`` is for everything, each ``[[for]]`` with `limits` for what its `policy`, `scene`
@@ -50,7 +49,7 @@ def read_limits(path: Path) -> Limits:
     return _Reader(read_toml(path, _LARGEST_BYTES, "give limits in UTF-8, see docs/ci.md")).read()
 
 
-def parse_limits(text: str) -> Limits:
+def parse_limits(text: str) -> LimitRules:
     """Return the limits of a TOML text; raises InputError as `read_limits`."""
     return _Reader(TomlDocument(text)).read()
 
@@ -59,7 +58,7 @@ class _Reader:
     def __init__(self, document: TomlDocument) -> None:
         self._document = document
 
-    def read(self) -> Limits:
+    def read(self) -> LimitRules:
         document = self._document
         content = document.table(document.content, ("limits", "for"), "")
         rules = [Rule(self._limits(content.get("limits", {}), "limits"))]
@@ -72,7 +71,7 @@ class _Reader:
         ]
         if not any(rule.limits for rule in rules):
             document.fail("limits", "expected at least one limit, got none; see docs/ci.md")
-        return Limits(tuple(rules), document.path)
+        return LimitRules(tuple(rules), document.path)
 
     def _rule(self, table: Any, where: str) -> Rule:
         table = self._document.table(table, (*_SCOPE, "limits"), where)

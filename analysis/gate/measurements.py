@@ -5,7 +5,7 @@ both, so that what the two runs share does not blur their difference (common ran
 Simulation Modeling and Analysis, chapter 11).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,15 +14,13 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...policies.policy_spec import PolicySpec
-from ...policies.registry import require_distinct
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import Run
 from ..metrics.metric_registry import METRICS
-from ..study.compare import choose_draws
-from ..study.comparison import PolicyResult, Score
+from ..study.comparison import Score
 from ..study.comparison_folder import read_results
-from ..study.score import Job, Scored, World, resample
-from ..study.workers import RunJobs, started
+from ..study.runs import Runs, choose_draws, run_policies
+from ..study.score import Scored, World, resample
 from ..verdict.uncertainty import Pool, interval
 
 
@@ -96,6 +94,11 @@ class MeasuredPolicy:
     paired: Pool = field(default_factory=dict[str, FloatArray])
     logs: tuple[FrameLog, ...] = ()
 
+    @property
+    def case(self) -> tuple[str, str, str]:
+        """Policy, scene and trace."""
+        return self.policy, self.scene, self.trace
+
 
 def measure(
     policies: Sequence[PolicySpec], world: World, sampling: MeasureOptions
@@ -105,19 +108,13 @@ def measure(
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
     """
-    world.require_scored_frames()
-    require_distinct(policies)
-    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
-    fit = [spec for spec in policies if unfit[spec.label] is None]
-    with started(world, sampling.workers, len(fit) * sampling.seeds) as run_jobs:
-        scored = _run(fit, world, sampling, run_jobs)
-    options, names = world.options, (world.scene.name, world.trace.name)
-    measured: list[MeasuredPolicy] = []
-    for label, reason in unfit.items():
-        if reason is not None:
-            measured.append(MeasuredPolicy(label, *names, f"not applicable: {reason}"))
-        else:
-            measured.append(_measured(label, names, *scored[label]))
+    options = world.options
+    seeds = range(options.seed, options.seed + sampling.seeds)
+    draws = choose_draws(world.hardware, sampling.draws)
+    resamples = (sampling.resamples, -(-sampling.resamples // max(len(draws), 1)))
+    runs = run_policies(policies, world, seeds, draws, resamples, sampling.workers)
+    names = (world.scene.name, world.trace.name)
+    measured = [_measured((label, *names), run) for label, run in runs.items()]
     conditions = Conditions(
         world.hardware.name,
         options.budget_ms,
@@ -131,36 +128,14 @@ def measure(
     return conditions, measured
 
 
-def _run(
-    specs: list[PolicySpec], world: World, sampling: MeasureOptions, run_jobs: RunJobs
-) -> dict[str, tuple[list[Scored], list[list[Scored]]]]:
-    """Score each policy by seed under the mean, and by draw and seed."""
-    seeds = range(world.options.seed, world.options.seed + sampling.seeds)
-    draws = choose_draws(world.hardware, sampling.draws)
-    each = -(-sampling.resamples // max(len(draws), 1))
-    jobs = [Job(spec, None, 0, sampling.resamples, seed) for spec in specs for seed in seeds]
-    means = iter(run_jobs(jobs))
-    by_seed = {spec.label: [next(means) for _ in seeds] for spec in specs}
-    sound = [spec for spec in specs if all(run.failure is None for run in by_seed[spec.label])]
-    jobs = [
-        Job(spec, draw, stream, each, seed)
-        for spec in sound
-        for stream, draw in enumerate(draws)
-        for seed in seeds
-    ]
-    drawn = iter(run_jobs(jobs))
-    by_draw = {spec.label: [[next(drawn) for _ in seeds] for _ in draws] for spec in sound}
-    return {label: (runs, by_draw.get(label, [])) for label, runs in by_seed.items()}
-
-
-def _measured(
-    label: str, names: tuple[str, str], means: list[Scored], drawn: list[list[Scored]]
-) -> MeasuredPolicy:
-    for run in (*means, *(run for runs in drawn for run in runs)):
-        if run.failure is not None:
-            return MeasuredPolicy(label, *names, run.failure, failed=True)
+def _measured(names: tuple[str, str, str], runs: Runs) -> MeasuredPolicy:
+    if runs.unfit is not None:
+        return MeasuredPolicy(*names, f"not applicable: {runs.unfit}")
+    if runs.failure is not None:
+        return MeasuredPolicy(*names, runs.failure, failed=True)
+    means = runs.means
     paired = _pool(means)
-    pools = [_pool(runs) for runs in drawn] or [paired]
+    pools = [_pool(drawn) for drawn in runs.drawn] or [paired]
     scores: dict[str, Score] = {}
     for metric in METRICS:
         known = [value for run in means if (value := run.values[metric.id]) is not None]
@@ -169,7 +144,7 @@ def _measured(
         low, high = interval(np.concatenate(every) if len(every) == len(pools) else None)
         scores[metric.id] = Score(value, low, high, metric.unit, metric.better)
     logs = tuple(run.log for run in means if run.log is not None)
-    return MeasuredPolicy(label, *names, None, False, scores, paired, logs)
+    return MeasuredPolicy(*names, None, False, scores, paired, logs)
 
 
 def _pool(runs: list[Scored]) -> Pool:
@@ -181,12 +156,9 @@ def _pool(runs: list[Scored]) -> Pool:
         if len(arrays) == len(runs):
             pool[metric.id] = _mean(np.array(arrays))
         elif len(known) == len(runs) > 1:
-            pool[metric.id] = _mean_over_seeds(np.array(known), _count(runs))
+            count = max(len(array) for run in runs for array in run.resampled.values())
+            pool[metric.id] = _mean_over_seeds(np.array(known), count)
     return pool
-
-
-def _count(runs: Iterable[Scored]) -> int:
-    return max(len(array) for run in runs for array in run.resampled.values())
 
 
 def _mean(values: FloatArray) -> FloatArray:
@@ -214,20 +186,20 @@ def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
     Raises `InputError` if a file is missing, broken, or of another run.
     """
     comparison, logs = read_results(folder)
-    names = (comparison.scene, comparison.trace)
     count = comparison.intervals.resamples
     measured: list[MeasuredPolicy] = []
     for policy in comparison.policies:
-        log = logs.get(policy.label)
-        if log is None:
-            measured.append(_without_scores(policy, names))
+        names = (policy.label, comparison.scene, comparison.trace)
+        if policy.status != "ok":
+            failed = policy.status == "failed"
+            reason = policy.reason if failed else f"not applicable: {policy.reason}"
+            measured.append(MeasuredPolicy(*names, reason, failed))
             continue
-        run = Run(log, comparison.warmup)
+        run = Run(logs[policy.label], comparison.warmup)
         statistics = {metric.id: metric(run) for metric in METRICS}
         paired = resample(run, statistics, comparison.seed, 0, count)
-        measured.append(
-            MeasuredPolicy(policy.label, *names, None, False, policy.metrics, paired, (log,))
-        )
+        logged = (run.log,)
+        measured.append(MeasuredPolicy(*names, None, False, policy.metrics, paired, logged))
     conditions = Conditions(
         comparison.hardware,
         comparison.budget_ms,
@@ -239,9 +211,3 @@ def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
         None,
     )
     return conditions, measured
-
-
-def _without_scores(policy: PolicyResult, names: tuple[str, str]) -> MeasuredPolicy:
-    failed = policy.status == "failed"
-    reason = policy.reason if failed else f"not applicable: {policy.reason}"
-    return MeasuredPolicy(policy.label, *names, reason, failed)

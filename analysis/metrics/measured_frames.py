@@ -90,11 +90,6 @@ class Run:
         before[shown[1:]] = every[shown[:-1]]
         return before[self.warmup :]
 
-    @cached_property
-    def display_ns(self) -> NDArray[np.int64]:
-        """Simulated time at which each frame was shown, -1 if never."""
-        return self.log["display_ns"][self.warmup :]
-
     @property
     def _shown(self) -> BoolArray:
         return self.log["display_ns"] >= 0

@@ -6,24 +6,15 @@ from ...base.errors import InputError
 from ...base.nearest_names import unknown_name
 from .metric import GROUPS, Metric
 
-_MODULES = (
-    "stability",
-    "lag",
-    "flicker",
-    "quality",
-    "work",
-)
+_MODULES = ("stability", "lag", "flicker", "quality", "work")
 
+_CONTENTS = [vars(import_module(f".{module}", __package__)) for module in _MODULES]
 METRICS: tuple[Metric, ...] = tuple(
-    sorted(
-        (
-            item
-            for module in _MODULES
-            for item in vars(import_module(f".{module}", __package__)).values()
-            if isinstance(item, Metric)
-        ),
-        key=lambda metric: GROUPS.index(metric.group),
-    )
+    item
+    for group in GROUPS
+    for content in _CONTENTS
+    for item in content.values()
+    if isinstance(item, Metric) and item.group == group
 )
 _BY_ID = {metric.id: metric for metric in METRICS}
 

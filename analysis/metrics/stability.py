@@ -249,7 +249,7 @@ def hitch_flags(run: Run) -> BoolArray:
     flags = np.zeros(len(run), dtype=np.bool_)
     last_ns = -_HITCH_DEAD_NS
     for frame in np.flatnonzero(slow):
-        at_ns = int(run.display_ns[frame])
+        at_ns = int(run["display_ns"][frame])
         if at_ns - last_ns >= _HITCH_DEAD_NS:
             flags[frame] = True
             last_ns = at_ns

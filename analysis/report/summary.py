@@ -10,7 +10,7 @@ BOUND = ">"
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class MetricColumn:
     """A metric as a column of the short table."""
 
     metric: str
@@ -24,16 +24,16 @@ class Column:
 
 
 HEADLINE = (
-    Column("work_ms_p95", "work\np95\nms"),
-    Column("frame_ms_sd", "frame\nsd\nms"),
-    Column("over_budget_fraction", "over\nbudget\n%", percent=True),
-    Column("settle_ms", "settle\n\nms"),
-    Column("overshoot_ratio", "over-\nshoot\n×"),
-    Column("lag_ms_mean", "lag\nmean\nms"),
-    Column("toggles_per_frame", "toggle\n/frame"),
-    Column("popping_px_per_frame", "pop px\n/frame"),
-    Column("sse_px_p95", "error\np95\npx"),
-    Column("benefit_ratio", "bene-\nfit\n%", percent=True),
+    MetricColumn("work_ms_p95", "work\np95\nms"),
+    MetricColumn("frame_ms_sd", "frame\nsd\nms"),
+    MetricColumn("over_budget_fraction", "over\nbudget\n%", percent=True),
+    MetricColumn("settle_ms", "settle\n\nms"),
+    MetricColumn("overshoot_ratio", "over-\nshoot\n×"),
+    MetricColumn("lag_ms_mean", "lag\nmean\nms"),
+    MetricColumn("toggles_per_frame", "toggle\n/frame"),
+    MetricColumn("popping_px_per_frame", "pop px\n/frame"),
+    MetricColumn("sse_px_p95", "error\np95\npx"),
+    MetricColumn("benefit_ratio", "bene-\nfit\n%", percent=True),
 )
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Comparison, PolicyResult
-from .summary import BOUND, HEADLINE, Column, best_labels, describe_run, unscored
+from .summary import BOUND, HEADLINE, MetricColumn, best_labels, describe_run, unscored
 from .terminal import plain_table
 from .values import format_value
 
@@ -72,7 +72,9 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
         left = left[len(tables[skip].columns) - 1 :]
 
 
-def _short_table(comparison: Comparison, columns: tuple[Column, ...], label_width: int) -> "Table":
+def _short_table(
+    comparison: Comparison, columns: tuple[MetricColumn, ...], label_width: int
+) -> "Table":
     from rich.text import Text
 
     table = plain_table()

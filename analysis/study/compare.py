@@ -1,16 +1,12 @@
 """Compare policies: replay each in the same world and score all on the same footing."""
 
-import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
-from ...policies.registry import require_distinct
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
@@ -19,11 +15,8 @@ from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
-from .score import Job, Scored, World
-from .workers import RunJobs, started
-
-Progress = Callable[[int, int], None]
-"""Called with the replays done and the replays in all."""
+from .runs import Progress, Runs, choose_draws, run_policies
+from .score import World
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,19 +66,19 @@ def compare(
     """
     options = options or CompareOptions()
     world = World(scene, trace, hardware, replay_options, options.warmup)
-    world.require_scored_frames()
-    require_distinct(policies)
-    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
     draws = choose_draws(hardware, options.draws)
-    fit = [spec for spec in policies if unfit[spec.label] is None]
-    total = len(fit) * (1 + len(draws))
-    each = _per_draw(options, draws)
-    with started(world, options.workers, total) as run_jobs:
-        means, drawn = _run(fit, draws, each, _counted(run_jobs, total, progress))
-    results = tuple(_result(spec, unfit[spec.label], means, drawn) for spec in policies)
+    each = -(-options.resamples // max(len(draws), 1))
+    resamples = (0 if draws else each, each)
+    seeds = [replay_options.seed]
+    runs = run_policies(policies, world, seeds, draws, resamples, options.workers, progress)
+    pools = {
+        label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
+        for label, run in runs.items()
+        if run.unfit is None and run.failure is None
+    }
+    results = tuple(_result(spec, runs[spec.label], pools) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
-    pools = {item.label: pool_of(means[item.label], drawn[item.label]) for item in scored}
-    logs = {label: log for label in pools if (log := means[label].log) is not None}
+    logs = {label: log for label in pools if (log := runs[label].means[0].log) is not None}
     comparison = Comparison(
         scene=scene.name,
         trace=trace.name,
@@ -103,67 +96,19 @@ def compare(
     return comparison, logs
 
 
-def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
-    """Return evenly spaced posterior draws, each once."""
-    available = 0 if hardware.posterior is None else len(hardware.posterior)
-    chosen = np.linspace(0, available - 1, min(count, available)).round()
-    return [int(draw) for draw in chosen]
-
-
-def _per_draw(options: CompareOptions, draws: list[int]) -> int:
-    return -(-options.resamples // max(len(draws), 1))
-
-
-def _counted(run_jobs: RunJobs, total: int, progress: Progress | None) -> RunJobs:
-    """Return `run_jobs`, telling of each finished job."""
-    if progress is None:
-        return run_jobs
-    done = itertools.count(1)
-
-    def run(jobs: Sequence[Job]) -> Iterator[Scored]:
-        for scored in run_jobs(jobs):
-            progress(next(done), total)
-            yield scored
-
-    return run
-
-
-def _run(
-    specs: list[PolicySpec], draws: list[int], each: int, run_jobs: RunJobs
-) -> tuple[dict[str, Scored], dict[str, list[Scored]]]:
-    """Score every policy under the mean, then those that did not fail under every draw."""
-    jobs = [Job(spec, None, 0, 0 if draws else each) for spec in specs]
-    means = {spec.label: scored for spec, scored in zip(specs, run_jobs(jobs), strict=True)}
-    sound = [spec for spec in specs if means[spec.label].failure is None]
-    jobs = [Job(spec, draw, stream, each) for spec in sound for stream, draw in enumerate(draws)]
-    scored = iter(list(run_jobs(jobs)))
-    return means, {spec.label: [next(scored) for _ in draws] for spec in sound}
-
-
-def _result(
-    spec: PolicySpec,
-    unfit: str | None,
-    means: dict[str, Scored],
-    drawn: dict[str, list[Scored]],
-) -> PolicyResult:
+def _result(spec: PolicySpec, runs: Runs, pools: dict[str, Pool]) -> PolicyResult:
+    named = (spec.name, spec.label, spec.params)
     oracle = spec.make().capabilities.future
-    runs = [means[spec.label], *drawn.get(spec.label, [])] if unfit is None else []
-    failure = next((run.failure for run in runs if run.failure is not None), None)
-    if unfit is not None or failure is not None:
-        status = "failed" if unfit is None else "not-applicable"
-        reason = failure if unfit is None else unfit
-        return PolicyResult(spec.name, spec.label, spec.params, status, reason, oracle, 0, {})
-    mean = runs[0]
-    pool: Pool = pool_of(mean, drawn[spec.label])
+    if spec.label not in pools:
+        status = "failed" if runs.unfit is None else "not-applicable"
+        return PolicyResult(*named, status, runs.unfit or runs.failure, oracle, 0, {})
+    (mean,) = runs.means
     metrics: dict[str, Score] = {}
     for metric in METRICS:
-        low, high = interval(pool.get(metric.id))
-        value = mean.values[metric.id]
-        metrics[metric.id] = Score(value, low, high, metric.unit, metric.better)
+        low, high = interval(pools[spec.label].get(metric.id))
+        metrics[metric.id] = Score(mean.values[metric.id], low, high, metric.unit, metric.better)
     frames = 0 if mean.log is None else len(mean.log)
-    return PolicyResult(
-        spec.name, spec.label, spec.params, "ok", None, oracle, frames, metrics, mean.steps
-    )
+    return PolicyResult(*named, "ok", None, oracle, frames, metrics, mean.steps)
 
 
 def _conditions(world: World) -> ReplayConditions:

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import msgspec
-
 from ...base.html_table import html_table
 from ...base.strict_json import read_json
 from ..metrics.metric import Better
@@ -213,17 +211,10 @@ class Comparison:
         return tuple(policy for policy in self.policies if policy.status == "failed")
 
 
-def encode_comparison(comparison: Comparison) -> bytes:
-    """Return the JSON of a comparison, indented, its schema first."""
-    fields: dict[str, object] = msgspec.to_builtins(comparison)
-    ordered = {"schema": fields.pop("schema"), **fields}
-    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"
-
-
 def read_comparison(path: Path) -> Comparison:
     """Read ``comparison.json``.
 
-    Raises `InputError` if the file is missing or is not what `encode_comparison` writes.
+    Raises `InputError` if the file is missing or holds no such record.
     """
     advice = "give a folder that `lodbench compare --out` wrote, or run it again"
     return read_json(path, Comparison, SCHEMA, advice)

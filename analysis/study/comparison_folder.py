@@ -4,12 +4,13 @@ import re
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...base.strict_json import encode_record
 from ...base.whole_file import write_whole
 from ...base.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
-from .comparison import Comparison, encode_comparison, read_comparison
+from .comparison import Comparison, read_comparison
 
 _REPORT, _COMPARISON, _FRAMES = "report.html", "comparison.json", "frames"
 _OURS = r"report\.html|comparison\.json|frames(/.*\.parquet)?"
@@ -48,7 +49,7 @@ def write_results(folder: Path, comparison: Comparison, logs: dict[str, FrameLog
         (partial / _FRAMES).mkdir()
         for label, name in frame_log_names(list(logs)).items():
             write_frame_log(partial / _FRAMES / name, logs[label])
-        (partial / _COMPARISON).write_bytes(encode_comparison(comparison))
+        (partial / _COMPARISON).write_bytes(encode_record(comparison))
         (partial / _REPORT).write_text(render_report(comparison, logs), encoding="utf-8")
 
 

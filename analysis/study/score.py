@@ -61,14 +61,14 @@ class Job:
     draw : index of the posterior draw, None for the mean
     stream : which blocks are drawn; the same for every policy, so that comparisons are paired
     resamples : number of resamples, 0 for none
-    seed : root of noise and blocks, None for the world's
+    seed : root of noise and blocks
     """
 
     policy: PolicySpec
     draw: int | None
     stream: int
     resamples: int
-    seed: int | None = None
+    seed: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +95,7 @@ class Scored:
 
 def score(world: World, job: Job) -> Scored:
     """Replay and score; the same arguments give the same result in any process."""
-    seed = world.options.seed if job.seed is None else job.seed
-    options = replace(world.options, draw=job.draw, seed=seed)
+    options = replace(world.options, draw=job.draw, seed=job.seed)
     try:
         policy, name = job.policy.make(), job.policy.label
         log = replay(policy, world.scene, world.trace, world.hardware, options, name=name)
@@ -107,7 +106,9 @@ def score(world: World, job: Job) -> Scored:
     run = Run(log, world.warmup)
     statistics = {metric.id: metric(run) for metric in METRICS}
     values = {name: None if item is None else item.value() for name, item in statistics.items()}
-    resampled = resample(run, statistics, seed, job.stream, job.resamples) if job.resamples else {}
+    resampled: dict[str, FloatArray] = {}
+    if job.resamples:
+        resampled = resample(run, statistics, job.seed, job.stream, job.resamples)
     kept = log if job.draw is None else None
     return Scored(None, kept, values, resampled, find_steps(run))
 

@@ -9,7 +9,7 @@ derivatives", The Computer Journal 1964).
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from ...traces.cameras.generators.tour import EYE_M
 from ...traces.cameras.orientation import look_along
 from ..metrics.measured_frames import Run
 from ..metrics.metric_registry import find_metric
+from .runs import Progress
 
 Badness = Literal["overshoot", "toggles", "lag"]
 METRIC_OF: dict[Badness, str] = {
@@ -91,11 +92,10 @@ def check_badness(text: str) -> Badness:
 
     Raises `InputError` if there is none.
     """
-    known: tuple[Badness, ...] = get_args(Badness)
-    for name in known:
+    for name in METRIC_OF:
         if name == text:
             return name
-    raise InputError(f"badness: expected {', '.join(known)}, got {text}; name one")
+    raise InputError(f"badness: expected {', '.join(METRIC_OF)}, got {text}; name one")
 
 
 def path_of(point: FloatArray, scene: Scene, limits: PathLimits) -> CameraTrace:
@@ -161,7 +161,7 @@ def stress(
     *,
     evaluations: int = 100,
     warmup: int = 30,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> WorstPath:
     """Search for the path on which a policy is worst; the same arguments find the same path.
 
@@ -174,14 +174,14 @@ def stress(
     """
     if evaluations < 8:
         raise InputError(f"evaluations: expected at least 8, got {evaluations}")
-    search = _Search(
-        lambda trace: measure_badness(spec, scene, trace, hardware, options, badness, warmup),
-        lambda point: path_of(point, scene, limits),
-        evaluations,
-        progress,
-    )
+
+    def badness_at(point: FloatArray) -> float:
+        trace = path_of(point, scene, limits)
+        return measure_badness(spec, scene, trace, hardware, options, badness, warmup)
+
+    search = _Search(badness_at, evaluations, progress)
     search.run(3 + 2 * limits.legs, options.seed)
-    return WorstPath(search.trace_of(search.best), search.value, search.done)
+    return WorstPath(path_of(search.best, scene, limits), search.value, search.done)
 
 
 class _Exhausted(Exception):  # noqa: N818 - ends a local search, which has no other way to stop
@@ -193,13 +193,11 @@ class _Search:
 
     def __init__(
         self,
-        badness_of: Callable[[CameraTrace], float],
-        trace_of: Callable[[FloatArray], CameraTrace],
+        badness_at: Callable[[FloatArray], float],
         evaluations: int,
-        progress: Callable[[int, int], None] | None,
+        progress: Progress | None,
     ) -> None:
-        self._badness_of, self.trace_of = badness_of, trace_of
-        self._evaluations, self._progress = evaluations, progress
+        self._badness_at, self._evaluations, self._progress = badness_at, evaluations, progress
         self.best, self.value, self.done = np.zeros(0), -np.inf, 0
 
     def run(self, dimensions: int, seed: int) -> None:
@@ -207,9 +205,8 @@ class _Search:
         from scipy.stats import qmc
 
         count = max(int(self._evaluations * _SCATTERED), 4)
-        points: FloatArray = qmc.Sobol(dimensions, rng=seed).random_base2(
-            int(np.ceil(np.log2(count)))
-        )[:count]
+        sobol = qmc.Sobol(dimensions, rng=seed)
+        points: FloatArray = sobol.random_base2(int(np.ceil(np.log2(count))))[:count]
         costs = [self._cost(point) for point in points]
         for start in np.argsort(costs, kind="stable")[:_RESTARTS].tolist():
             share = (self._evaluations - count) // _RESTARTS
@@ -237,7 +234,7 @@ class _Search:
             return
 
     def _cost(self, point: FloatArray) -> float:
-        value = self._badness_of(self.trace_of(point))
+        value = self._badness_at(point)
         self.done += 1
         if value > self.value:
             self.best, self.value = point.copy(), value

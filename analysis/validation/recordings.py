@@ -1,6 +1,6 @@
 """Record replays on a real renderer: what `lodbench record` and `lodbench validate` share."""
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,13 +23,13 @@ from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...sim.simulated_machine import FrameTimes, Machine, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
+from ..study.runs import Progress
 
 CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
 
 _CALIBRATION_FRAMES = 1_200
 _MOST_THREADS = 32  # of llvmpipe
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

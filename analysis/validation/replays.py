@@ -1,7 +1,7 @@
 """Record policies, once or twice, and simulate the same."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
@@ -11,22 +11,14 @@ from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import CompareOptions, compare
 from ..study.comparison import Comparison
+from ..study.runs import Progress
 from .recordings import Recorded, RecordOptions, open_recorder
 from .validate import Measured, Pair
 
-Progress = Callable[[int, int], None]
 
-
-@dataclass(slots=True)
-class _Share:
-    """Progress of one recording as a share of all."""
-
-    progress: Progress
-    done: int
-    total: int
-
-    def __call__(self, now: int, of: int) -> None:
-        self.progress(1000 * self.done + 1000 * now // max(of, 1), 1000 * self.total)
+def _share(progress: Progress, done: int, total: int) -> Progress:
+    """Return what tells of one recording as a share of all."""
+    return lambda now, of: progress(1000 * done + 1000 * now // max(of, 1), 1000 * total)
 
 
 def record_all(
@@ -57,7 +49,7 @@ def record_all(
         for again in range(passes):
             for place, label in enumerate(labels):
                 done = again * len(labels) + place
-                share = None if progress is None else _Share(progress, done, passes * len(labels))
+                share = None if progress is None else _share(progress, done, passes * len(labels))
                 found[label].append(
                     recorder.record(label, trace, hardware, options, progress=share)
                 )
@@ -101,12 +93,10 @@ def cut_trace(trace: CameraTrace, seconds: float) -> CameraTrace:
         raise InputError(
             f"--seconds: expected more than one sample of {trace.name}, got {seconds}; take more"
         )
-    return CameraTrace(
-        trace.name,
-        trace.time_s[:count],
-        trace.position_m[:count],
-        trace.orientation_xyzw[:count],
-        trace.cut[:count],
-        trace.origin_s,
-        trace.repairs,
+    return replace(
+        trace,
+        time_s=trace.time_s[:count],
+        position_m=trace.position_m[:count],
+        orientation_xyzw=trace.orientation_xyzw[:count],
+        cut=trace.cut[:count],
     )

@@ -50,14 +50,6 @@ class Pair:
     simulated: FrameLog
 
 
-@dataclass(frozen=True, slots=True)
-class _Series:
-    """Predictions and measurements of the same frames."""
-
-    predicted_ms: FloatArray
-    measured_ms: FloatArray
-
-
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
     """Raise InputError if the profile was calibrated on this scene along this trace."""
     if f"{header_text(scene)} along {header_text(trace)}" in hardware.provenance.measured_on:
@@ -128,17 +120,18 @@ def validate(
         draws=comparison.intervals.draws,
         log=log,
         policies=policies,
-        all_policies=_errors(_joined(list(series.values()))),
+        all_policies=_errors(*series.values()),
         inside=float(np.mean(known)) if known else None,
         ranks=_ranks(policies),
     )
 
 
 def _policy(
-    label: str, pair: Pair, comparison: Comparison, series: dict[str, _Series]
+    label: str, pair: Pair, comparison: Comparison, series: dict[str, FloatArray]
 ) -> PolicyValidation:
     scored = next(policy for policy in comparison.ok if policy.label == label)
-    values = [_values(item.frames, comparison.warmup) for item in pair.measured]
+    runs = [Run(item.frames, comparison.warmup) for item in pair.measured]
+    values = [{metric.id: metric.value(run) for metric in METRICS} for run in runs]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
     for metric in METRICS:
@@ -153,26 +146,20 @@ def _policy(
     return PolicyValidation(label, *frames, _errors(series), metrics)
 
 
-def _values(frames: FrameLog, warmup: int) -> dict[str, float | None]:
-    run = Run(frames, warmup)
-    found = {metric.id: metric(run) for metric in METRICS}
-    return {name: None if item is None else item.value() for name, item in found.items()}
-
-
-def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, _Series]:
-    """Return what is compared with the first recording, by the name in `Errors`."""
+def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, FloatArray]:
+    """Return predicted times over those of the first recording, (2, n), as `Errors` names them."""
     first = pair.measured[0]
     time_s, measured = _times(first.frames, warmup)
     model = hardware.gpu.counted_ms(first.counts)
     adapted = adapted_ms(model, np.asarray(first.frames["gpu_ms"]))
-    found = {
-        "model": _Series(model[warmup:], measured),
-        "v_time": _Series(adapted[warmup:], measured),
-        "simulation": _Series(at_times(*_times(pair.simulated, warmup), time_s), measured),
+    predicted = {
+        "model": model[warmup:],
+        "v_time": adapted[warmup:],
+        "simulation": at_times(*_times(pair.simulated, warmup), time_s),
     }
     for other in pair.measured[1:]:
-        found["again"] = _Series(at_times(*_times(other.frames, warmup), time_s), measured)
-    return found
+        predicted["again"] = at_times(*_times(other.frames, warmup), time_s)
+    return {name: np.stack((times, measured)) for name, times in predicted.items()}
 
 
 def _times(frames: FrameLog, warmup: int) -> tuple[FloatArray, FloatArray]:
@@ -180,19 +167,10 @@ def _times(frames: FrameLog, warmup: int) -> tuple[FloatArray, FloatArray]:
     return run.time_s, run.work_ms
 
 
-def _joined(parts: Sequence[dict[str, _Series]]) -> dict[str, _Series]:
-    return {
-        name: _Series(
-            np.concatenate([part[name].predicted_ms for part in parts]),
-            np.concatenate([part[name].measured_ms for part in parts]),
-        )
-        for name in parts[0]
-    }
-
-
-def _errors(series: dict[str, _Series]) -> Errors:
-    found = {name: summarise(s.predicted_ms, s.measured_ms) for name, s in series.items()}
-    return Errors(found["model"], found["v_time"], found["simulation"], found.get("again"))
+def _errors(*parts: dict[str, FloatArray]) -> Errors:
+    """Return the errors of all parts together."""
+    joined = {name: np.hstack([part[name] for part in parts]) for name in parts[0]}
+    return Errors(**{name: summarise(*times) for name, times in joined.items()})
 
 
 def _ranks(policies: Sequence[PolicyValidation]) -> dict[str, Rank]:

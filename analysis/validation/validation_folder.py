@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.strict_json import encode_record
 from ...base.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ...traces.logs.log_writer import header_text, write_log
@@ -15,7 +16,7 @@ from ..study.comparison_folder import frame_log_names
 from .recordings import Recorded
 from .validate import Pair
 from .validation_page import render_validation
-from .validation_result import Validation, encode
+from .validation_result import Validation
 
 _RESULT, _REPORT = "validation.json", "report.html"
 _MEASURED, _RENDERED, _SIMULATED = "measured", "render", "simulated"
@@ -58,7 +59,7 @@ def write_validation(
                 shutil.copytree(recorded / name, partial / name)
         else:
             _write_recordings(partial, recorded, names)
-        (partial / _RESULT).write_bytes(encode(validation))
+        (partial / _RESULT).write_bytes(encode_record(validation))
         (partial / _REPORT).write_text(render_validation(validation, pairs), encoding="utf-8")
 
 

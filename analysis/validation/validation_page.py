@@ -49,11 +49,10 @@ def _frame_by_frame(validation: Validation) -> Section:
 
 
 def _error_row(label: str, errors: Errors) -> tuple[Cell | str, ...]:
-    cells: list[Cell] = []
-    for name in COMPARED:
-        error = errors_of(errors, name)
-        span = "" if error is None else f"{error.p05_pct:.1f} to {error.p95_pct:.1f}"
-        cells.append(Cell(error_text(error), span))
+    cells = (
+        Cell(error_text(error), f"{error.p05_pct:.1f} to {error.p95_pct:.1f}" if error else "")
+        for error in errors_of(errors)
+    )
     return label, *cells
 
 

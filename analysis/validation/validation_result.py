@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import msgspec
-
 from .time_errors import ErrorSummary
 
 SCHEMA = "lodbench.validate/1"
@@ -45,7 +43,7 @@ class Errors:
     model: ErrorSummary
     v_time: ErrorSummary
     simulation: ErrorSummary
-    again: ErrorSummary | None
+    again: ErrorSummary | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,10 +102,3 @@ class Validation:
     inside: float | None
     ranks: dict[str, Rank]
     schema: Literal["lodbench.validate/1"] = SCHEMA
-
-
-def encode(validation: Validation) -> bytes:
-    """Return the JSON of a validation, indented, its schema first."""
-    fields: dict[str, object] = msgspec.to_builtins(validation)
-    ordered = {"schema": fields.pop("schema"), **fields}
-    return msgspec.json.format(msgspec.json.encode(ordered), indent=1) + b"\n"

@@ -23,9 +23,9 @@ RANKED = ("frame_ms_mean", "frame_ms_sd", "over_budget_fraction")
 """Metrics whose values and ranks the short table shows."""
 
 
-def errors_of(errors: Errors, name: str) -> ErrorSummary | None:
-    """Return errors by the name of their field."""
-    return getattr(errors, name)
+def errors_of(errors: Errors) -> list[ErrorSummary | None]:
+    """Return errors in the order of `COMPARED`."""
+    return [getattr(errors, name) for name in COMPARED]
 
 
 def error_text(error: ErrorSummary | None) -> str:
@@ -62,19 +62,16 @@ def print_validation(validation: Validation, console: "Console") -> None:
 def _error_table(validation: Validation) -> "Table":
     title = "error of frame times, % of those measured, mean ± sd"
     table = titled_table(title, ("policy", *COMPARED.values()))
-    rows = [(policy.label, policy.errors) for policy in validation.policies]
-    for label, errors in rows:
-        table.add_row(label, *(error_text(errors_of(errors, name)) for name in COMPARED))
+    for policy in validation.policies:
+        table.add_row(policy.label, *map(error_text, errors_of(policy.errors)))
     table.add_section()
-    everyone = validation.all_policies
-    table.add_row("all", *(error_text(errors_of(everyone, name)) for name in COMPARED))
+    table.add_row("all", *map(error_text, errors_of(validation.all_policies)))
     return table
 
 
 def _metric_table(validation: Validation) -> "Table":
-    table = titled_table(
-        "measured, and simulated with its interval; * outside", ("policy", *RANKED)
-    )
+    title = "measured, and simulated with its interval; * outside"
+    table = titled_table(title, ("policy", *RANKED))
     for policy in validation.policies:
         table.add_row(policy.label, *(_agreement(policy.metrics[name]) for name in RANKED))
     table.add_section()

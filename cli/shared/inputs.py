@@ -1,6 +1,8 @@
 """What several commands do with what they were given, and with what they print."""
 
+import json
 import sys
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # numpy and rich are loaded by the command that needs them
@@ -26,6 +28,18 @@ def open_named_scene(spec: str) -> "OpenedScene":
 def frame_budget(budget_ms: float | None, profile: "HardwareProfile") -> float:
     """Return the budget in ms: the one that was asked for, else one refresh of the display."""
     return 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
+
+
+def print_record(record: object) -> None:
+    """Print a result, a dataclass with a schema, as one JSON document."""
+    from ...base.strict_json import encode_record
+
+    print(encode_record(record).decode(), end="")
+
+
+def print_result(record: Mapping[str, object], text: str, *, as_json: bool) -> None:
+    """Print what a command did: the record as JSON, or the text about it."""
+    print(json.dumps(record) if as_json else text)
 
 
 def table_console(piped_width: int) -> "Console":

@@ -4,6 +4,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...analysis.report.terminal import titled_table
+from ...base.errors import InputError
+
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from collections.abc import Mapping
 
@@ -17,15 +20,19 @@ _MOST_TYPES = 64  # in a table; --json has them all
 _READERS = ("3d-tiles", "gltf")
 
 
-def check_scene_options(out: Path, seed: int) -> None:
-    """Refuse, before the work, a file that could not be written or found by its name."""
-    from ...base.errors import InputError
-    from ...models.scene.scene_catalog import SUFFIX
-
-    if out.suffix != SUFFIX:
-        raise InputError(f"expected a name that ends in {SUFFIX}, got '{out.name}'", path=out)
+def check_output(out: Path, suffix: str) -> None:
+    """Refuse, before the work, a file that could not be written or is called something else."""
+    if out.suffix.lower() != suffix:
+        raise InputError(f"expected a name that ends in {suffix}, got '{out.name}'", path=out)
     if not out.parent.is_dir():
         raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+
+
+def check_scene_options(out: Path, seed: int) -> None:
+    """Refuse, before the work, a file that could not be written or found by its name."""
+    from ...models.scene.scene_catalog import SUFFIX
+
+    check_output(out, SUFFIX)
     if seed < 0:
         raise InputError(f"seed: expected an integer >= 0, got {seed}")
 
@@ -83,8 +90,6 @@ def _print(record: dict[str, Any]) -> None:
 
 
 def _depth_table(record: dict[str, Any]) -> "Table":
-    from ...analysis.report.terminal import titled_table
-
     columns = ("depth", "nodes", "leaves", "triangles")
     table = titled_table(f"{record['scene']}: nodes by depth", (*columns, "greatest error m"))
     for row in record["depths"]:
@@ -94,8 +99,6 @@ def _depth_table(record: dict[str, Any]) -> "Table":
 
 def _type_table(record: dict[str, Any]) -> "Table":
     from rich.text import Text
-
-    from ...analysis.report.terminal import titled_table
 
     columns = ("type", "objects", "level", "triangles", "vertices", "draws", "error m", "KiB")
     table = titled_table(f"{record['scene']}: types and levels of detail", columns)

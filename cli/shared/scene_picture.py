@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...base.errors import InputError
 from .inputs import frame_budget
+from .scene_output import check_output
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ...models.scene.scene_catalog import OpenedScene
@@ -13,12 +15,7 @@ _LAST_FRAME = 1_000_000
 
 def check_picture(out: Path, frame: int) -> None:
     """Raise InputError unless a picture can be written there, of a frame that can be."""
-    from ...base.errors import InputError
-
-    if out.suffix.lower() != ".png":
-        raise InputError(f"expected a name that ends in .png, got '{out.name}'", path=out)
-    if not out.parent.is_dir():
-        raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+    check_output(out, ".png")
     if not 0 <= frame <= _LAST_FRAME:
         raise InputError(f"frame: expected 0 to {_LAST_FRAME}, got {frame}")
 
@@ -26,7 +23,6 @@ def check_picture(out: Path, frame: int) -> None:
 def draw_picture(
     opened: "OpenedScene",
     out: Path,
-    *,
     trace: str,
     policy: str | None,
     frame: int,
@@ -41,14 +37,8 @@ def draw_picture(
     from ...render.pictures.snapshot import take_snapshot
     from ...sim.replay import ReplayOptions
 
-    profile = load_hardware(hardware)
-    usual = "static-screen" if opened.scene.flat else "screen-space-error"
-    shot = take_snapshot(
-        parse_policy(policy or usual),
-        opened.scene,
-        load_trace(trace, opened.scene),
-        profile,
-        ReplayOptions(budget_ms=frame_budget(budget_ms, profile)),
-        frame,
-    )
+    scene, profile = opened.scene, load_hardware(hardware)
+    spec = parse_policy(policy or ("static-screen" if scene.flat else "screen-space-error"))
+    options = ReplayOptions(budget_ms=frame_budget(budget_ms, profile))
+    shot = take_snapshot(spec, scene, load_trace(trace, scene), profile, options, frame)
     write_picture(out, draw_snapshot(shot, opened.read_geometry()))

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from lodbench.cli.list import Item, Kind, known
+from lodbench.cli.list import Item, known
 
 FOLDER = Path(__file__).parents[1]
 MADE = re.compile(r"(<!-- made by docs/scripts/build_tables.py -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -50,7 +50,7 @@ def section(item: Item) -> Iterator[str]:
 
 def policies() -> Iterator[str]:
     """Yield what `policies.md` has from the policies themselves."""
-    items = known(Kind.POLICIES)
+    items = known("policies")
     yield from overview(items)
     for item in items:
         yield from section(item)
@@ -58,7 +58,7 @@ def policies() -> Iterator[str]:
 
 def metrics() -> Iterator[str]:
     """Yield the tables of `metrics.md`, one a group."""
-    items = known(Kind.METRICS)
+    items = known("metrics")
     for group in dict.fromkeys(item["group"] for item in items):
         yield f"\n### {group.capitalize()}\n"
         yield row("id", "unit", "better", "definition", "source")

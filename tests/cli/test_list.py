@@ -1,17 +1,19 @@
 """`lodbench list`: names that can be used, with what a user has to know about each."""
 
 import json
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from lodbench.analysis.study.inputs import load_trace
-from lodbench.cli.list import Kind, known
+from lodbench.cli.list import Subject, known
 from lodbench.cli.main import run
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.models.scenes.scene_registry import find_builder
 from lodbench.policies.registry import REGISTERED, parse_policy
+from lodbench.traces.cameras.read_trace import FORMATS
+from lodbench.traces.logs.read_log import LOG_FORMATS
 
 
 def listed(kind: str, capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
@@ -23,9 +25,9 @@ def listed(kind: str, capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]
     return document["items"]
 
 
-@pytest.mark.parametrize("kind", list(Kind))
+@pytest.mark.parametrize("kind", get_args(Subject))
 def test_json_and_table_show_the_same_names(
-    kind: Kind, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    kind: Subject, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every item of the JSON document stands in the table, and has the same keys as the others."""
     items = listed(kind, capsys)
@@ -46,6 +48,9 @@ def test_listed_names_can_be_used(capsys: pytest.CaptureFixture[str]) -> None:
     for item in listed("traces", capsys):
         assert load_trace(item["name"], scene).name.startswith(item["name"])
     assert {item["name"] for item in listed("policies", capsys)} == set(REGISTERED)
+    for item in listed("formats", capsys):
+        formats = FORMATS if item["of"] == "camera traces" else LOG_FORMATS
+        assert formats.find(item["name"]).what == item["about"]
 
 
 def test_policies_show_parameters_with_defaults(capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,7 +71,7 @@ def test_policies_say_where_they_come_from(capsys: pytest.CaptureFixture[str]) -
 
 def test_feedback_as_listed() -> None:
     """One policy by hand: its gain, and that it sees no future."""
-    (feedback,) = (item for item in known(Kind.POLICIES) if item["name"] == "feedback")
+    (feedback,) = (item for item in known("policies") if item["name"] == "feedback")
     gain = {"name": "gain", "default": 0.5, "comment": "Unreal's square root"}
     assert gain in feedback["parameters"]
     assert feedback["oracle"] is False
@@ -76,7 +81,7 @@ def test_feedback_as_listed() -> None:
 
 def test_claims_as_listed() -> None:
     """Claims of three policies with their defaults: properties that hold, and when they rest."""
-    claims = {item["name"]: item["claims"] for item in known(Kind.POLICIES)}
+    claims = {item["name"]: item["claims"] for item in known("policies")}
     assert claims["wimmer"] == ["budget", "monotone", "rests at once"]
     assert claims["mason-blake"] == ["budget", "rests after 1 frame"]
     assert claims["maciel"] == ["budget", "rests after 10 frames"]

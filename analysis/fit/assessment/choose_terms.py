@@ -58,7 +58,7 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
             "drawn beside the times, or map the columns that hold it"
         )
     usable = [
-        name for name in held if _usable(np.concatenate([_column(log, name) for log in logs]))
+        name for name in held if _usable(np.concatenate([log.columns([name]) for log in logs]))
     ]
     if not usable:
         raise InputError(
@@ -68,15 +68,9 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
     return tuple(usable)
 
 
-def _column(log: RenderLog, name: str) -> FloatArray:
-    return log.columns([name])[:, 0]
-
-
 def _usable(column: FloatArray) -> bool:
     good = np.isfinite(column) & (column >= 0.0)
-    if good.mean() < _HELD:
-        return False
-    return bool(np.ptp(column[good]) > _VARIES * column[good].mean())
+    return good.mean() >= _HELD and bool(np.ptp(column[good]) > _VARIES * column[good].mean())
 
 
 def choose_terms(sample: Sample) -> tuple[tuple[Term, ...], tuple[Candidate, ...]]:

@@ -17,24 +17,12 @@ from ....base.arrays import FloatArray
 from ..design import Design
 from ..fit_frames import Sample
 from ..sampling.likelihood import Likelihood
+from .posterior_predictive import Draws
 
 _STANDS_OUT = 2.0  # deviations of chance
 _FEWEST = 30  # frames, below which nothing can be said of their order
 _LEAST_STIFF = 0.1  # mean curvature of a frame's likelihood; outliers' own is negative
 _LEAST = 1e-9  # curvature, of the largest, below which a direction is not looked at
-
-
-def standard_residuals(
-    sample: Sample, design: Design, theta: FloatArray, names: tuple[str, ...]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return means (n,), scales (n,) and residuals over scale (n,) at one parameter vector."""
-    width = len(design.names)
-    mean = design.mean(theta[np.newaxis, :width])[0]
-    scale = np.full(len(mean), np.exp(theta[width]))
-    if "growth" in names:
-        growth = theta[names.index("growth")]
-        scale *= 1.0 - growth + growth * mean / sample.time_ms.mean()
-    return mean, scale, (sample.time_ms - mean) / scale
 
 
 def frame_worth(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> float:
@@ -43,7 +31,9 @@ def frame_worth(sample: Sample, design: Design, theta: FloatArray, likelihood: L
     It is one over the mean, over K directions in which the likelihood is equally curved, of the
     long-run variance of the scores, which is 1 where the model is true.
     """
-    _, scale, z = standard_residuals(sample, design, theta, likelihood.names)
+    draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
+    mean, scale = (moment[0] for moment in draws.moments(design))
+    z = (sample.time_ms - mean) / scale
     pull, stiffness = z, 1.0
     if likelihood.names[-1] == "inverse_dof":
         dof = 1.0 / theta[-1]

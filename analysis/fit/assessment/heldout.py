@@ -111,13 +111,8 @@ def hold_out(
             f"fit, got {len(sample)}; use blocks"
         )
     rows = np.arange(len(sample))
-    predictions = [
-        _predict(
-            estimate(sample.rows(rows != row), terms, model, options), sample.rows(rows == row)
-        )
-        for row in rows
-    ]
-    return _summary(split, predictions)
+    others = (estimate(sample.rows(rows != row), terms, model, options) for row in rows)
+    return _summary(split, [_predict(o, sample.rows(rows == i)) for i, o in enumerate(others)])
 
 
 def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
@@ -147,40 +142,32 @@ def _reason(fitted: Estimate, sample: Sample, found: HeldOut) -> str:
     return f"frames hold {held} of the fitted ones; {left_open}, {why}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Prediction:
-    """Errors in per cent, whether intervals cover, log densities, (n,) each; mean errors, (S,)."""
+def _predict(fitted: Estimate, sample: Sample) -> tuple[FloatArray, float]:
+    """Return what there is to say of each frame, (3, n), and the deviation of the mean error.
 
-    errors: FloatArray
-    covered: BoolArray
-    score: FloatArray
-    means: FloatArray
-
-
-def _predict(fitted: Estimate, sample: Sample) -> _Prediction:
+    Of a frame: the error in per cent, whether the interval covers it, and the log density.
+    """
     step = max(1, -(-len(sample) // _MOST_ROWS))
     sample = sample.rows(np.arange(0, len(sample), step))
     design = design_of(sample, fitted.terms, fitted.design.unit)
     draws = fitted.draws.fitting(len(sample))
     mean, simulated = draws.simulate(design, np.random.default_rng(0))
     low, high = np.quantile(simulated, (0.05, 0.95), axis=0)
-    return _Prediction(
-        100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0),
-        (sample.time_ms >= low) & (sample.time_ms <= high),
-        draws.log_density(design, sample.time_ms),
-        100.0 * (mean / sample.time_ms - 1.0).mean(axis=1),
-    )
+    errors = 100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0)
+    covered = (sample.time_ms >= low) & (sample.time_ms <= high)
+    frames = np.stack((errors, covered, draws.log_density(design, sample.time_ms)))
+    return frames, float((100.0 * (mean / sample.time_ms - 1.0).mean(axis=1)).std())
 
 
-def _summary(split: str, predictions: Sequence[_Prediction]) -> HeldOut:
-    errors = np.concatenate([prediction.errors for prediction in predictions])
+def _summary(split: str, predictions: Sequence[tuple[FloatArray, float]]) -> HeldOut:
+    errors, covered, score = np.hstack([frames for frames, _ in predictions])
     return HeldOut(
         split,
         len(errors),
         float(errors.mean()),
         float(errors.std()),
         tuple(np.quantile(errors, _QUANTILES).tolist()),
-        float(np.concatenate([prediction.covered for prediction in predictions]).mean()),
-        float(np.concatenate([prediction.score for prediction in predictions]).mean()),
-        float(np.mean([prediction.means.std() for prediction in predictions])),
+        float(covered.mean()),
+        float(score.mean()),
+        float(np.mean([left_open for _, left_open in predictions])),
     )

@@ -43,7 +43,7 @@ def sensitivity(scaled: FloatArray, priors: Priors) -> tuple[Sensitivity, ...]:
     deviation: FloatArray = scaled.std(axis=0)
     shifts: list[FloatArray] = []
     for factor in (0.5, 2.0):
-        other = Priors(priors.mean_ms, priors.kind, priors.widen * factor)
+        other = Priors(priors.mean_ms, priors.widen * factor)
         log_weight = other.log_coefficients(scaled) - priors.log_coefficients(scaled)
         weight: FloatArray = np.exp(log_weight - log_weight.max())
         mean = weight @ scaled / weight.sum()

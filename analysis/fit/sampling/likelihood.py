@@ -4,7 +4,8 @@ Parameters are the K scaled coefficients, the logarithm of the noise's scale in 
 time, and for Student's t the share of the scale that grows with the mean and 1/dof.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,29 +19,17 @@ _FOLD = 8  # factors multiplied before one logarithm; each is under 1e38, or the
 
 
 class Likelihood(Protocol):
-    """A log-likelihood with named, bounded parameters."""
+    """A log-likelihood with names of D parameters, and their bounds, (D,) each."""
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of D parameters."""
-        ...
-
-    @property
-    def low(self) -> FloatArray:
-        """Lower bounds, (D,)."""
-        ...
-
-    @property
-    def high(self) -> FloatArray:
-        """Upper bounds, (D,)."""
-        ...
+    names: tuple[str, ...]
+    low: FloatArray
+    high: FloatArray
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log-likelihood of (W, D) parameters inside the bounds, (W,)."""
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class GaussianLikelihood:
     """Gaussian noise of constant scale.
 
@@ -49,28 +38,16 @@ class GaussianLikelihood:
     whatever its length.
     """
 
-    design: Design
-    time_ms: FloatArray
-    names: tuple[str, ...] = field(init=False)
-    low: FloatArray = field(init=False)
-    high: FloatArray = field(init=False)
-    _triangle: FloatArray = field(init=False)
-    _solution: FloatArray = field(init=False)
-    _least: float = field(init=False)
-
-    def __post_init__(self) -> None:
-        put, width = object.__setattr__, len(self.design.names)
-        put(self, "names", (*self.design.names, "log_scale"))
-        low, high = _scale_bounds(self.time_ms)
-        put(self, "low", np.array([*np.zeros(width), low]))
-        put(self, "high", np.array([*np.full(width, np.inf), high]))
-        columns = self.design.columns.T
-        solution = np.linalg.lstsq(columns, self.time_ms)[0]
-        residual = self.time_ms - columns @ solution
+    def __init__(self, design: Design, time_ms: FloatArray) -> None:
+        self.design, self.time_ms = design, time_ms
+        self.names = (*design.names, "log_scale")
+        self.low, self.high = _bounds(design, time_ms)
+        columns = design.columns.T
+        self._solution = np.linalg.lstsq(columns, time_ms)[0]
+        residual = time_ms - columns @ self._solution
         triangle: Any = np.linalg.qr(columns, mode="r")
-        put(self, "_triangle", np.ascontiguousarray(triangle.T, dtype=np.float64))
-        put(self, "_solution", solution)
-        put(self, "_least", float(residual @ residual))
+        self._triangle = np.ascontiguousarray(triangle.T, dtype=np.float64)
+        self._least = float(residual @ residual)
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log-likelihood of (W, D) parameters inside the bounds, (W,)."""
@@ -89,7 +66,6 @@ class GaussianLikelihood:
         return np.einsum("wn,wn->w", residual, residual)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class StudentLikelihood:
     """Student's t of scale ``s · (1 - g + g · mean / reference)``.
 
@@ -97,19 +73,10 @@ class StudentLikelihood:
     with the mean; all of s, g and the degrees of freedom are parameters.
     """
 
-    design: Design
-    time_ms: FloatArray
-    reference_ms: float
-    names: tuple[str, ...] = field(init=False)
-    low: FloatArray = field(init=False)
-    high: FloatArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        put, width = object.__setattr__, len(self.design.names)
-        put(self, "names", (*self.design.names, "log_scale", "growth", "inverse_dof"))
-        low, high = _scale_bounds(self.time_ms)
-        put(self, "low", np.array([*np.zeros(width), low, 0.0, 1.0 / DOF_HIGH]))
-        put(self, "high", np.array([*np.full(width, np.inf), high, 1.0, 1.0 / DOF_LOW]))
+    def __init__(self, design: Design, time_ms: FloatArray, reference_ms: float) -> None:
+        self.design, self.time_ms, self.reference_ms = design, time_ms, reference_ms
+        self.names = (*design.names, "log_scale", "growth", "inverse_dof")
+        self.low, self.high = _bounds(design, time_ms, (0.0, 1.0), (1.0 / DOF_HIGH, 1.0 / DOF_LOW))
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log-likelihood of (W, D) parameters inside the bounds, (W,)."""
@@ -118,9 +85,8 @@ class StudentLikelihood:
         log_scale, inverse = theta[:, -3], theta[:, -1]
         dof = 1.0 / inverse
         each = gammaln(0.5 * dof + 0.5) - gammaln(0.5 * dof) - 0.5 * np.log(np.pi * dof)
-        return len(self.time_ms) * (each - log_scale) - _by_blocks(
-            self._rows, theta, len(self.time_ms)
-        )
+        rows = len(self.time_ms)
+        return rows * (each - log_scale) - _by_blocks(self._rows, theta, rows)
 
     def _rows(self, theta: FloatArray) -> FloatArray:
         """Return the part of the negative log-likelihood that differs from frame to frame, (W,)."""
@@ -136,17 +102,19 @@ class StudentLikelihood:
         return _sum_of_logs(scale) + (0.5 / inverse + 0.5) * _sum_of_logs(ratio)
 
 
-def _scale_bounds(time_ms: FloatArray) -> tuple[float, float]:
-    """Return bounds of the logarithm of the noise's scale, wide enough for any log."""
+def _bounds(
+    design: Design, time_ms: FloatArray, *others: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Return bounds of coefficients, of the log of a scale that fits any log, and of `others`."""
     mean = float(time_ms.mean())
-    return float(np.log(1e-9 * mean)), float(np.log(1e3 * mean))
+    scale = (float(np.log(1e-9 * mean)), float(np.log(1e3 * mean)))
+    low, high = np.array([*[(0.0, np.inf)] * len(design.names), scale, *others]).T
+    return low, high
 
 
-class _OfRows(Protocol):
-    def __call__(self, theta: FloatArray, /) -> FloatArray: ...
-
-
-def _by_blocks(rows: _OfRows, theta: FloatArray, count: int) -> FloatArray:
+def _by_blocks(
+    rows: Callable[[FloatArray], FloatArray], theta: FloatArray, count: int
+) -> FloatArray:
     """Return a function of (W, D) parameters that visits `count` frames, some vectors at a time."""
     step = max(1, _BLOCK // count)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -164,6 +132,16 @@ def _sum_of_logs(values: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Expansion:
+    """A function to second order about `center`."""
+
+    center: FloatArray
+    value: float
+    gradient: FloatArray
+    hessian: FloatArray
+
+
+@dataclass(slots=True, eq=False)
 class QuadraticLikelihood:
     """A log-likelihood to second order about a point: what all frames of a long log leave behind.
 
@@ -173,16 +151,10 @@ class QuadraticLikelihood:
     names: tuple[str, ...]
     low: FloatArray
     high: FloatArray
-    center: FloatArray
-    value: float
-    gradient: FloatArray
-    hessian: FloatArray
+    about: Expansion
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log-likelihood of (W, D) parameters inside the bounds, (W,)."""
-        away = theta - self.center
-        return (
-            self.value
-            + away @ self.gradient
-            + 0.5 * np.einsum("wi,ij,wj->w", away, self.hessian, away)
-        )
+        away = theta - self.about.center
+        curved = np.einsum("wi,ij,wj->w", away, self.about.hessian, away)
+        return self.about.value + away @ self.about.gradient + 0.5 * curved

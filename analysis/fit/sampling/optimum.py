@@ -1,14 +1,13 @@
 """Where sampling starts: the robust non-negative optimum, polished, and its surroundings."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ....base.arrays import FloatArray
 from ..design import Design
-from .likelihood import Likelihood, QuadraticLikelihood
+from .likelihood import Expansion, Likelihood, QuadraticLikelihood
 from .posterior import LogPosterior
 from .robust_fit import robust_nnls
 
@@ -18,16 +17,6 @@ _START_DOF = 4.0
 _LEAST = 0.02  # size of a parameter that is 0, of the largest one's
 _FAR = 10.0  # below the optimum's log density, from where a walker might take long to come back
 _ROUNDS = 2  # an expansion at the optimum of the one before has little left to move
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Expansion:
-    """A function to second order about `center`."""
-
-    center: FloatArray
-    value: float
-    gradient: FloatArray
-    hessian: FloatArray
 
 
 def starts(design: Design, time_ms: FloatArray, likelihood: Likelihood) -> list[FloatArray]:
@@ -112,15 +101,7 @@ def quadratic(posterior: LogPosterior, start: FloatArray) -> LogPosterior:
     center, result = start, posterior
     for _ in range(_ROUNDS):
         about = expand(whole, center, whole.low, whole.high)
-        surrogate = QuadraticLikelihood(
-            whole.names,
-            whole.low,
-            whole.high,
-            about.center,
-            about.value,
-            about.gradient,
-            about.hessian,
-        )
+        surrogate = QuadraticLikelihood(whole.names, whole.low, whole.high, about)
         result = LogPosterior(surrogate, posterior.priors, posterior.worth)
         center = highest(result, [center])
     return result

@@ -1,7 +1,6 @@
 """What is believed of the parameters before the log is seen: little, and said in the output."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -19,12 +18,10 @@ class Priors:
     Attributes
     ----------
     mean_ms : mean measured time, which sets the size of everything
-    kind : "weak", or "flat" for comparison with least squares
     widen : factor on the width of the coefficients' priors, to see whether it matters
     """
 
     mean_ms: float
-    kind: Literal["weak", "flat"] = "weak"
     widen: float = 1.0
 
     @property
@@ -34,14 +31,10 @@ class Priors:
 
     def log_coefficients(self, scaled: FloatArray) -> FloatArray:
         """Return the log density of (W, K) scaled coefficients >= 0, but for a constant, (W,)."""
-        if self.kind == "flat":
-            return np.zeros(len(scaled))
         return -0.5 * np.einsum("wk,wk->w", scaled, scaled) / self.coefficient_sd_ms**2
 
     def log_scale(self, log_scale: FloatArray) -> FloatArray:
         """Return the log density of the logarithm of the noise's scale in ms, (W,)."""
-        if self.kind == "flat":
-            return np.zeros(len(log_scale))
         return log_scale - 0.5 * np.exp(2.0 * log_scale) / self.mean_ms**2
 
     def log_inverse_dof(self, inverse_dof: FloatArray) -> FloatArray:
@@ -50,8 +43,6 @@ class Priors:
 
     def describe(self, model: str) -> tuple[str, ...]:
         """Return the priors in words, with their reasons."""
-        if self.kind == "flat":
-            return ("flat on coefficients >= 0 and on the logarithm of the scale",)
         coefficients = (
             f"each coefficient >= 0, half-normal: at its column's mean it costs up to about "
             f"{self.coefficient_sd_ms:.4g} ms, twice the mean time, since no part of a frame "

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ....base.arrays import FloatArray
-from ....base.errors import InputError
 
 _STEPS = 500
 _TOLERANCE = 1e-9
@@ -29,28 +28,19 @@ class RobustFit:
     base_ms : cost of a frame that draws nothing, >= 0
     slopes_ms : (P,) milliseconds per unit of each predictor, >= 0
     scale : relative scale of the residuals
-    dof : degrees of freedom of the residuals, as given
     """
 
     base_ms: float
     slopes_ms: FloatArray
     scale: float
-    dof: float
 
     def predict(self, predictors: FloatArray) -> FloatArray:
         """Return mean times in milliseconds of (n, P) predictors, (n,)."""
         return self.base_ms + predictors @ self.slopes_ms
 
-    def residuals(self, predictors: FloatArray, time_ms: FloatArray) -> FloatArray:
-        """Return residuals relative to the mean, (n,)."""
-        mean = self.predict(predictors)
-        return (time_ms - mean) / mean
-
 
 def robust_nnls(predictors: FloatArray, time_ms: FloatArray, *, dof: float = 4.0) -> RobustFit:
     """Fit times to predictors.
-
-    Raises `InputError` if there are too few rows, or a value is out of range.
 
     Parameters
     ----------
@@ -63,8 +53,8 @@ def robust_nnls(predictors: FloatArray, time_ms: FloatArray, *, dof: float = 4.0
     """
     from scipy.optimize import nnls
 
-    _require_usable(predictors, time_ms)
     rows, width = len(time_ms), len(predictors[0])
+    assert rows > width + 1, "whoever gathers frames sees to it that there are enough"
     design = np.column_stack([np.ones(rows), predictors])
     unit = design.max(axis=0)  # so that the solver's tolerance means the same for every column
     unit[unit == 0.0] = 1.0
@@ -80,24 +70,9 @@ def robust_nnls(predictors: FloatArray, time_ms: FloatArray, *, dof: float = 4.0
         solution = np.asarray(answer[0], dtype=np.float64)
         mean = np.maximum(design @ solution, 1e-3 * time_ms)
         residual = (time_ms - mean) / mean
-        scale = _scale(residual, weight)
+        scale = max(float(np.sqrt(np.mean(weight * residual**2))), 1e-9)
         weight = (dof + 1.0) / (dof + (residual / scale) ** 2)
         if np.abs(solution - before).max() <= _TOLERANCE * np.abs(solution).max():
             break
     per_unit: FloatArray = solution / unit
-    return RobustFit(float(per_unit[0]), per_unit[1:], scale, dof)
-
-
-def _require_usable(predictors: FloatArray, time_ms: FloatArray) -> None:
-    rows, width = predictors.shape
-    if rows <= width + 1:
-        raise InputError(f"fit: expected more than {width + 1} frames, got {rows}; log for longer")
-    if not (np.isfinite(predictors).all() and (predictors >= 0.0).all()):
-        raise InputError("fit: expected finite predictors >= 0")
-    if not (np.isfinite(time_ms).all() and (time_ms > 0.0).all()):
-        raise InputError("fit: expected finite times > 0")
-
-
-def _scale(residual: FloatArray, weight: FloatArray) -> float:
-    """Return the scale of Student's t for these residuals, never quite zero."""
-    return max(float(np.sqrt(np.mean(weight * residual**2))), 1e-9)
+    return RobustFit(float(per_unit[0]), per_unit[1:], scale)

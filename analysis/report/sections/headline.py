@@ -6,7 +6,7 @@ from ...metrics.metric_registry import find_metric
 from ...study.comparison import PolicyResult
 from ..blocks import Cell, Table
 from ..results import Results, section
-from ..summary import HEADLINE, Column
+from ..summary import HEADLINE, MetricColumn
 
 
 @section("Policies side by side")
@@ -23,7 +23,7 @@ def headline(results: Results) -> tuple[Table]:
     return (Table(("policy", *map(_head, HEADLINE)), rows),)
 
 
-def _head(column: Column) -> Cell:
+def _head(column: MetricColumn) -> Cell:
     header = " ".join(column.header.split()).replace("- ", "")
     return Cell(header, hint=find_metric(column.metric).definition)
 
@@ -33,6 +33,6 @@ def _name(results: Results, policy: PolicyResult) -> Cell:
     return results.name_of(policy, ("oracle",) * policy.oracle + ("front",) * on_front)
 
 
-def _value(results: Results, policy: PolicyResult, column: Column) -> Cell:
+def _value(results: Results, policy: PolicyResult, column: MetricColumn) -> Cell:
     cell = results.value_of(policy, column.metric, percent=column.percent)
     return replace(cell, text=column.text(policy))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.gate.baseline import make_baseline, read_baseline, write_baseline
-from lodbench.analysis.gate.check_result import encode_report, judge_all
+from lodbench.analysis.gate.check_result import judge_all
 from lodbench.analysis.gate.limits_file import parse_limits
 from lodbench.analysis.gate.measurements import MeasuredPolicy, MeasureOptions, measure, measure_run
 from lodbench.analysis.metrics.measured_frames import Run
@@ -16,6 +16,7 @@ from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison_folder import write_results
 from lodbench.analysis.study.score import World
 from lodbench.base.errors import InputError
+from lodbench.base.strict_json import encode_record
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
@@ -75,7 +76,7 @@ def test_verdicts_do_not_depend_on_workers(world: World) -> None:
     texts: set[bytes] = set()
     for workers in (1, 2):
         conditions, measured = measure(POLICIES, world, replace(SAMPLING, workers=workers))
-        texts.add(encode_report(judge_all(LIMITS, measured, conditions, None)))
+        texts.add(encode_record(judge_all(LIMITS, measured, conditions, None)))
     assert len(texts) == 1
 
 

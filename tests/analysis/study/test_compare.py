@@ -10,8 +10,9 @@ import pytest
 
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.compare import CompareOptions, compare
-from lodbench.analysis.study.comparison import Comparison, encode_comparison, read_comparison
+from lodbench.analysis.study.comparison import Comparison, read_comparison
 from lodbench.base.errors import InputError
+from lodbench.base.strict_json import encode_record
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.bounds.full import Full
@@ -63,7 +64,7 @@ def world(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile)
 def test_json_follows_the_contract(world: World) -> None:
     """The document has the keys that other tools rely on, in every policy and every metric."""
     comparison, logs = world.compare("full", "static-screen:first=0.5")
-    document = msgspec.json.decode(encode_comparison(comparison))
+    document = msgspec.json.decode(encode_record(comparison))
     assert next(iter(document)) == "schema"
     assert document["schema"] == "lodbench.compare/1"
     wanted = {"scene", "trace", "hardware", "budget_ms", "seed", "frames", "policies", "warmup"}
@@ -80,7 +81,7 @@ def test_json_follows_the_contract(world: World) -> None:
 
 def test_absent_metrics_are_null(world: World) -> None:
     """What a run cannot have is null in the JSON, not 0."""
-    document = msgspec.json.decode(encode_comparison(world.compare("full")[0]))
+    document = msgspec.json.decode(encode_record(world.compare("full")[0]))
     metrics = document["policies"][0]["metrics"]
     for name in ("missed_vsync_fraction", "prediction_error_pct_mean", "optimality"):
         assert metrics[name]["value"] is None
@@ -91,7 +92,7 @@ def test_read_back_equals_what_was_written(world: World, tmp_path: Path) -> None
     """The JSON of a comparison is the comparison."""
     comparison, _ = world.compare("full", "feedback")
     path = tmp_path / "comparison.json"
-    path.write_bytes(encode_comparison(comparison))
+    path.write_bytes(encode_record(comparison))
     assert read_comparison(path) == comparison
 
 
@@ -261,7 +262,7 @@ def test_same_bytes_on_any_worker_count(
         )
         for workers in (1, 2)
     ]
-    assert encode_comparison(results[0][0]) == encode_comparison(results[1][0])
+    assert encode_record(results[0][0]) == encode_record(results[1][0])
     for label, log in results[0][1].items():
         other = results[1][1][label]
         assert log.counts.tobytes() == other.counts.tobytes()

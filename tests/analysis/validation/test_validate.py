@@ -16,9 +16,10 @@ from lodbench.analysis.validation.validate import (
     validate,
 )
 from lodbench.analysis.validation.validation_page import render_validation
-from lodbench.analysis.validation.validation_result import Validation, encode
+from lodbench.analysis.validation.validation_result import Validation
 from lodbench.base.errors import InputError
 from lodbench.base.predictors import GPU_PREDICTORS
+from lodbench.base.strict_json import encode_record
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile, Posterior
 from lodbench.models.machine.residual import Residual
@@ -130,7 +131,7 @@ def test_inside_is_what_lies_between_the_ends(replays: Replays) -> None:
 
 def test_the_record_comes_back_from_its_json(replays: Replays) -> None:
     """The JSON begins with its schema and holds every field."""
-    text = encode(replays[0])
+    text = encode_record(replays[0])
     assert text.startswith(b'{\n "schema": "lodbench.validate/1"')
     assert msgspec.json.decode(text, type=Validation) == replays[0]
 

@@ -94,4 +94,3 @@ def test_priors_are_said_with_their_reasons():
     assert len(student) == 4
     assert "about 16 ms" in student[0]
     assert student[:2] == gaussian
-    assert "flat" in Priors(8.0, "flat").describe("gaussian")[0]

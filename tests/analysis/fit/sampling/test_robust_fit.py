@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from lodbench.analysis.fit.sampling.robust_fit import robust_nnls
-from lodbench.base.errors import InputError
 
 TRUE_BASE, TRUE_SLOPES = 2.0, np.array([0.03, 70e-6])
 
@@ -45,7 +44,7 @@ def test_the_fit_is_the_fixed_point_of_its_estimating_equation():
     predictors, times = frames(rng)
     times *= 1.0 + 0.1 * rng.standard_t(4, len(times)).clip(-5, 5)
     fit = robust_nnls(predictors, times)
-    residual = fit.residuals(predictors, times)
+    residual = times / fit.predict(predictors) - 1.0
     weight = 5.0 / (4.0 + (residual / fit.scale) ** 2)
     mean = fit.predict(predictors)
     for column in (np.ones(len(times)), *predictors.T):
@@ -92,12 +91,3 @@ def test_units_do_not_matter(time_unit: float, count_unit: float):
     expected = fit.slopes_ms * time_unit / [1.0, count_unit]
     assert other.slopes_ms == pytest.approx(expected, rel=1e-5)
     assert other.base_ms == pytest.approx(fit.base_ms * time_unit, rel=1e-4, abs=1e-6 * time_unit)
-
-
-@pytest.mark.parametrize(
-    ("rows", "time", "says"), [(2, 1.0, "more than 2"), (9, 0.0, "> 0"), (9, np.nan, "> 0")]
-)
-def test_data_that_cannot_be_fitted_are_refused(rows: int, time: float, says: str):
-    """Too few frames, and times that are no measurements."""
-    with pytest.raises(InputError, match=says):
-        robust_nnls(np.ones((rows, 1)), np.full(rows, time))
