@@ -2,6 +2,7 @@
 # make test      quick tests          make test-slow   the others
 # make check     format, lint, types, which room imports which, the documentation's links and tables
 # make bench     speed, beside simpy's
+# make mutants   whether tests fail when the code is made wrong on purpose (docs/mutants.md)
 # make docs      generated parts of the documentation, and its site in out/site
 # make validation  measure this machine with OpenGL, and write what docs/validation.md reports
 #
@@ -13,7 +14,7 @@ PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
 ROOMS = base models traces policies sim render analysis testing cli
 
-.PHONY: compare test test-slow check bench docs validation clean
+.PHONY: compare test test-slow check bench mutants docs validation clean
 .DELETE_ON_ERROR:
 
 compare: .venv/.installed
@@ -34,6 +35,9 @@ check: .venv/.installed-dev
 
 bench: .venv/.installed-bench
 	$(BIN)/pytest tests/benchmarks $(PYTEST_FLAGS)
+
+mutants: .venv/.installed-dev
+	$(BIN)/python docs/scripts/mutants.py
 
 docs: .venv/.installed-dev
 	$(BIN)/python docs/scripts/build_tables.py

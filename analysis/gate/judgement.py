@@ -125,9 +125,9 @@ def _relative(
     before = None if baseline is None else baseline.find(measured, limit.metric)
     if before is None:
         return "undecided", "the baseline has no such value; update it", None
-    if score.value is None or limit.metric not in measured.paired:
+    now, (base, then) = measured.paired.get(limit.metric), before
+    if score.value is None or now is None or np.isnan(now).all():
         return "undecided", f"the run says nothing of its spread; {_MORE}", None
-    now, (base, then) = measured.paired[limit.metric], before
     difference = now - then
     allowed = _allowed(limit, conditions, then)
     rise = difference if limit.kind == "max_increase" else -difference
@@ -151,7 +151,7 @@ def _allowed(limit: Limit, conditions: Conditions, then: FloatArray) -> FloatArr
 
 
 def _ends(values: FloatArray) -> tuple[float, float]:
-    """Return the ends of the interval of resampled changes; without a value there is no change."""
+    """Return the ends of the interval of resampled changes, of those that have a value."""
     tail = (1.0 - LEVEL) / 2.0
-    low, high = np.quantile(np.nan_to_num(values), (tail, 1.0 - tail))
+    low, high = np.nanquantile(values, (tail, 1.0 - tail))
     return float(low), float(high)

@@ -100,6 +100,39 @@ def test_a_change_from_zero_is_in_the_metrics_unit() -> None:
     assert outcome('max_increase = "5%", floor = 0.3', now, before, metric) == "passes"
 
 
+def test_resamples_without_a_value_are_left_out() -> None:
+    """20 % more in the two resamples that have a value is 20 % more; without any it is unknown."""
+    before, nan = measured(10.0, 9.0, 11.0, paired=[10.0] * 5), float("nan")
+    limit = 'max_increase = "5%"'
+    assert outcome(limit, measured(12.0, paired=[12.0, nan, 12.0, nan, nan]), before) == "fails"
+    assert outcome(limit, measured(10.0, paired=[10.0, nan, 10.0, nan, nan]), before) == "passes"
+    assert outcome(limit, measured(12.0, paired=[nan] * 5), before) == "undecided"
+    limits = parse_limits(f"[limits]\nframe_ms_p99 = {{ {limit} }}")
+    baseline = make_baseline(CONDITIONS, [before], limits)
+    now = measured(12.0, 12.0, 12.0, paired=[nan, 12.0, nan, nan, 12.0])
+    (verdict,) = judge_all(limits, [now], CONDITIONS, baseline).verdicts
+    assert "+20 [+20, +20] %" in describe(verdict)
+
+
+def test_what_the_baseline_lacks_counts_as_its_value() -> None:
+    """A resample in which nothing of the kind happened was 10 as the others, and not 0."""
+    before = measured(10.0, 9.0, 11.0, paired=[float("nan"), 10.0, 10.0, 10.0, 10.0])
+    assert outcome('max_increase = "5%"', measured(10.0, paired=[10.0] * 5), before) == "passes"
+
+
+def test_shares_of_a_negative_metric_are_of_its_size() -> None:
+    """From -10 to -9.6 is an increase by 4 %, which 5 % allow and 2 % do not."""
+    metric = "prediction_error_pct_mean"
+    before = measured(-10.0, -10.0, -10.0, metric=metric, paired=[-10.0] * 5)
+    now = measured(-9.6, -9.6, -9.6, metric=metric, paired=[-9.6] * 5)
+    assert outcome('max_increase = "5%"', now, before, metric) == "passes"
+    assert outcome('max_increase = "2%"', now, before, metric) == "fails"
+    limits = parse_limits(f'[limits]\n{metric} = {{ max_increase = "2%" }}')
+    baseline = make_baseline(CONDITIONS, [before], limits)
+    (verdict,) = judge_all(limits, [now], CONDITIONS, baseline).verdicts
+    assert "+4 [+4, +4] %" in describe(verdict)
+
+
 def test_without_a_baseline_a_change_is_undecided() -> None:
     """A policy that the baseline does not know has not become worse."""
     now = measured(10.0, 9.0, 11.0, paired=BASE)

@@ -114,6 +114,14 @@ def test_stutter_follows_capframex_rule(make_log: MakeLog) -> None:
     assert value("stutter_time_fraction", make_log(displays(smooth))) == 0.0
 
 
+def test_what_is_just_short_enough_does_not_stutter(make_log: MakeLog) -> None:
+    """Nine frames of 10 ms and one of 30: 3 times the one before, and 2.5 times the mean of 12."""
+    assert value("stutter_time_fraction", make_log(displays([10.0] * 9 + [30.0]))) == 0.0
+    # A little more is a spike, which counts as 10 ms and leaves the mean there.
+    over = make_log(displays([10.0] * 9 + [30.001]))
+    assert value("stutter_time_fraction", over) == pytest.approx(30.001 / 120.001)
+
+
 def moving_average_by_loop(x: list[float]) -> list[float]:
     """CapFrameX's rule as a loop over samples."""
     window = max(round(10 * float(np.sqrt(np.mean(x)))), 1)
@@ -139,6 +147,13 @@ def test_budget_metrics_by_hand(make_log: MakeLog) -> None:
     assert value("longest_over_budget_frames", log) == 2
     assert value("over_budget_max_ratio", log) == pytest.approx(3.0)
     assert value("utilisation", log) == pytest.approx(67 / 50)
+
+
+def test_work_that_just_fits_is_within_the_budget(make_log: MakeLog) -> None:
+    """Of 11, 10, 12 and 10 ms at 10 ms two are over, and no two of them in a row."""
+    log = make_log(cpu_ms=[11.0, 10.0, 12.0, 10.0], gpu_ms=np.ones(4))
+    assert value("over_budget_fraction", log) == 0.5
+    assert value("longest_over_budget_frames", log) == 1
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=40))

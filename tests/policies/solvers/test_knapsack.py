@@ -108,6 +108,25 @@ def test_ratio_order_has_no_bound_but_the_single_increment_mends_it() -> None:
     assert brute_force(cost, benefit, 100.0) == 1.0
 
 
+def test_what_just_fits_is_affordable() -> None:
+    """At 1 and 0 with 3 to spend, either object may take its dear choice: 2 more is what is left.
+
+    With 2.9 neither may.
+    """
+    cost = np.array([[3.0, 1.0], [2.0, 0.0]])
+    assert affordable(cost, 3.0).tolist() == cost.tolist()
+    assert affordable(cost, 2.9).tolist() == [[np.inf, 1.0], [np.inf, 0.0]]
+
+
+def test_what_just_fits_after_a_misfit_is_taken() -> None:
+    """Of increments (2, 8), (4, 12) and (1, 1) within 3, the first and the last fill it."""
+    cost = np.array([[2.0, 0.0], [4.0, 0.0], [1.0, 0.0]])
+    benefit = np.array([[8.0, 0.0], [12.0, 0.0], [1.0, 0.0]])
+    choice = take_increments(hull_increments(cost, benefit), 3.0, skip_misfits=True)
+    assert choice.column.tolist() == [0, 1, 0]
+    assert (choice.cost, choice.benefit) == (3.0, 9.0)
+
+
 @given(instances())
 def test_choices_are_what_they_say_and_at_least_half_optimal(
     instance: tuple[Table, Table, float],

@@ -9,6 +9,7 @@ import pytest
 from lodbench.base.errors import PolicyError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.motion import Motion
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
@@ -74,8 +75,47 @@ def test_quality_is_scored_over_the_leaves(run: Run, tree: Scene) -> None:
     expected = [4 * (1 - 0.5 / 2.5), 2 * (1 - 0.5 / 20) + 2 * 0.995, 2 * 0.995, 4 * 0.995]
     assert log["benefit"] == pytest.approx(area * np.array(expected))
     assert log["missing"].tolist() == [0, 0, 2, 0]
+    assert log["full_degradation"] == pytest.approx([4 * area / 100] * 4)
+    degraded = [4 / 2.5, 2 / 20 + 2 / 100, 2 / 100 + 2, 4 / 100]
+    assert log["degradation"] == pytest.approx(area * np.array(degraded))
     assert log["benefit"][3] == log["full_benefit"][3]
     assert log["model_gpu_ms"][3] == pytest.approx(log["full_gpu_ms"][3])
+
+
+def test_a_node_drawn_beside_its_children_is_seen_whole(
+    run: Run, make_scene: Callable[..., Scene], make_levels: Callable[..., LevelTable]
+) -> None:
+    """An additive root of 10 triangles and its child of 40 are two units, each with its own."""
+    levels = make_levels([(10,), (40,)], error_m=[(0.4,), (0.0,)])
+    places = [(0.0, 0.0, -10.0)] * 2
+    additive = [True, False]
+    scene = make_scene(places, kind=[0, 1], levels=levels, parent=[-1, 0], additive=additive)
+    log = run(Fronts([0, 1]), scene=scene)
+    area = np.pi * 2500.0 / 99.0
+    assert (log["visible"][0], log["missing"][0]) == (2, 0)
+    assert log["benefit"][0] == pytest.approx(area * ((1 - 0.5 / 10) + (1 - 0.5 / 40)))
+    assert log["full_benefit"][0] == log["benefit"][0]
+
+
+def test_coming_into_view_is_no_switch(
+    run: Run,
+    make_scene: Callable[..., Scene],
+    make_levels: Callable[..., LevelTable],
+    make_hardware: MakeHardware,
+) -> None:
+    """A node that takes its parent's place in the frame in which it comes into view is none."""
+    levels = make_levels([(10,), (40,)], error_m=[(0.4,), (0.0,)])
+    # Node 1 is out of view while it circles, and back after 2 s.
+    motion = Motion(np.array([1]), np.array([40.0]), np.array([np.pi]), np.array([0.0]))
+    scene = make_scene(
+        [(0.0, 0.0, -10.0)] * 2, kind=[0, 1], radius_m=[100.0, 1.0], levels=levels,
+        parent=[-1, 0], motion=motion,
+    )  # fmt: skip
+    hardware = make_hardware({}, base_ms=1e-6, cpu_base_ms=500.0)
+    log = run(Fronts([0], [0], [0], [0], [1]), 5, scene=scene, hardware=hardware)
+    assert log["visible"].tolist() == [1, 0, 0, 0, 1]
+    assert log["triangles"].tolist() == [10, 10, 10, 10, 40]
+    assert log["toggles"].tolist() == [0, 0, 0, 0, 0]
 
 
 def test_nodes_outside_the_frustum_are_culled_not_drawn(

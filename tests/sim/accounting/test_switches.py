@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.scene.levels import LevelTable
 from lodbench.policies.protocol import Policy
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
@@ -18,6 +19,7 @@ VIEWPORT_PX = 100.0 * 100.0
 Run = Callable[..., FrameLog]
 MakePolicy = Callable[..., Policy]
 MakeHardware = Callable[..., HardwareProfile]
+MakeLevels = Callable[..., LevelTable]
 
 
 def test_toggles_and_popping_by_hand(run: Run, scripted: MakePolicy) -> None:
@@ -27,6 +29,13 @@ def test_toggles_and_popping_by_hand(run: Run, scripted: MakePolicy) -> None:
     pop = 0.1 * UNIT_PX * AREA_PX / VIEWPORT_PX
     assert log["popping_px"] == pytest.approx([0, pop, 0, pop, 0])
     assert log["reversals"].sum() == 0
+
+
+def test_popping_towards_fine_and_coarse_adds_up(run: Run, scripted: MakePolicy) -> None:
+    """One object gains 0.2 m of error as another loses them: two pops, which do not cancel."""
+    log = run(scripted([[0, 2], [2, 0]]), 2, positions=[(0.0, 0.0, -10.0)] * 2)
+    pop = 0.2 * UNIT_PX * AREA_PX / VIEWPORT_PX
+    assert log["popping_px"] == pytest.approx([0.0, 2.0 * pop])
 
 
 def test_a_change_while_not_drawn_is_no_toggle(run: Run, scripted: MakePolicy) -> None:
@@ -87,3 +96,31 @@ def test_a_cross_fade_ends_exactly_on_time(
     hardware = make_hardware({}, base_ms=1e-6, cpu_base_ms=10.0)
     log = run(scripted([0, 1]), 5, hardware=hardware, options={"crossfade_ms": 20.0})
     assert log["fading"].tolist() == [0, 1, 1, 0, 0]
+
+
+def test_what_fades_is_drawn_again_where_it_is(
+    run: Run, scripted: MakePolicy, make_hardware: MakeHardware
+) -> None:
+    """Of a near and a far object the far one fades: its pixels count twice, the near one's once."""
+    hardware = make_hardware({}, base_ms=1e-6, cpu_base_ms=10.0)
+    log = run(
+        scripted([[0, 0], [0, 1]]), 3, positions=[(0.0, 0.0, -10.0), (0.0, 0.0, -20.0)],
+        hardware=hardware, options={"crossfade_ms": 10.0},
+    )  # fmt: skip
+    far_px = math.pi * 50.0**2 / 399.0
+    assert log["fading"].tolist() == [0, 1, 0]
+    assert log["triangles"].tolist() == [2000, 2250, 1250]
+    expected = [AREA_PX + far_px, AREA_PX + 2.0 * far_px, AREA_PX + far_px]
+    assert log["shaded_samples"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_continuous_node_fades_out_at_its_old_knot(
+    run: Run, scripted: MakePolicy, make_hardware: MakeHardware, make_levels: MakeLevels
+) -> None:
+    """From 1,000 triangles to 100, which lie between two knots: 1,100 in the frame of the fade."""
+    hardware = make_hardware({}, base_ms=1e-6, cpu_base_ms=10.0)
+    levels = make_levels([(1000, 250, 50)], continuous=True)
+    log = run(
+        scripted([1.0, 0.1]), 3, hardware=hardware, levels=levels, options={"crossfade_ms": 10.0}
+    )
+    assert log["triangles"] == pytest.approx([1000.0, 1100.0, 100.0])
