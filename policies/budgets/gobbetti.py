@@ -1,16 +1,16 @@
 """``gobbetti``: resolutions that minimise degradation within the predicted time."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..shared.v_time import VTime
 from ..solvers.active_set import allocate_by_active_set
@@ -64,13 +64,13 @@ class Gobbetti:
     a clock, which would make runs differ; a count of passes does not.
     """
 
-    m: int = 1  # of the two common exponents, the one of mean projected triangle size
+    m: Annotated[int, Interval("[1, 2]")] = 1  # the exponent of mean projected triangle size
     weight: Literal["area-per-triangle", "area"] = "area-per-triangle"  # what the paper asks of w
     velocity: bool = True  # as in the paper
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
-    max_iterations: int = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's time limit is lost
-    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
+    max_iterations: PositiveInt = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's limit is lost
+    adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -87,14 +87,10 @@ class Gobbetti:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if self.m not in {1, 2} or self.max_iterations < 1:
-            raise InputError(
-                "gobbetti: expected m 1 or 2 and max_iterations >= 1, got "
-                f"{self.m} and {self.max_iterations}"
-            )
+        check_parameters(self, "gobbetti")
         self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti")
         self._budget_ms = budget_ms
-        self._v_time = VTime(self.adapt, "gobbetti")
+        self._v_time = VTime(self.adapt)
         levels = scene.types.levels
         self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
         self._last = np.zeros(len(scene))

@@ -13,6 +13,7 @@ from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import PositiveInt, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..solvers.convex_program import ConvexProgram, Point
 from ..view import View
@@ -63,7 +64,7 @@ class GobbettiCustom:
 
     degradation: str = "importance * area / triangles / r"  # as gobbetti with m = 1
     cost: str | None = None  # None: the scene's cost model
-    max_iterations: int = 200  # ours: ten times what smooth formulas take
+    max_iterations: PositiveInt = 200  # ours: ten times what smooth formulas take
     failures: int = field(init=False, repr=False, compare=False, default=0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
@@ -75,10 +76,7 @@ class GobbettiCustom:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""
-        if self.max_iterations < 1:
-            raise InputError(
-                f"gobbetti-custom: expected max_iterations >= 1, got {self.max_iterations}"
-            )
+        check_parameters(self, "gobbetti-custom")
         self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti-custom")
         self._budget_ms = budget_ms
         levels = scene.types.levels

@@ -1,16 +1,16 @@
 """``peng``: a crowd's triangles shared by projected area."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..solvers.allocation import allocate
 from ..view import View
@@ -38,20 +38,16 @@ class Peng:
     threshold is that of the report they cite, which prints no value.
     """
 
-    alpha: float = 3.0  # the paper's, chosen to act as Funkhouser and Séquin's benefit
+    alpha: Annotated[float, Interval("[0.1, 10]")] = 3.0  # the paper's, near Funkhouser's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
-    threshold_px: float = 0.0  # off
+    threshold_px: NotNegative = 0.0  # off
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if not (0.1 <= self.alpha <= 10.0 and self.threshold_px >= 0.0):
-            raise InputError(
-                "peng: expected alpha in [0.1, 10] and threshold_px >= 0, got "
-                f"{self.alpha:g} and {self.threshold_px:g}"
-            )
+        check_parameters(self, "peng")
         self._costs: ResolutionCosts | None = ResolutionCosts(scene, "peng")
         self._budget_ms = budget_ms
         levels = scene.types.levels

@@ -2,16 +2,16 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..solvers.allocation import allocate
 from ..view import View
@@ -71,15 +71,14 @@ class Wimmer:
     budget as the only constraint.
     """
 
-    m: int = 1  # as in the benefit that the simulator scores
+    m: Annotated[int, Interval("[1, 2]")] = 1  # as in the benefit that the simulator scores
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if self.m not in {1, 2}:
-            raise InputError(f"wimmer: expected m 1 or 2, got {self.m}")
+        check_parameters(self, "wimmer")
         self._costs: ResolutionCosts | None = ResolutionCosts(scene, "wimmer")
         self._budget_ms = budget_ms
         levels = scene.types.levels

@@ -5,12 +5,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import require_costs
+from ..shared.ranges import Count, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..shared.zach_groups import Groups, Plan
 from ..shared.zach_patches import Offer, Patches
@@ -65,22 +65,18 @@ class Zach:
     """
 
     splitting: bool = True  # the paper's enhanced method
-    epsilon: float = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
-    barrier: float = 1e-3  # ours; "a small constant" in the paper
-    cull_px: float = 2.0  # ours; the paper prints no value
+    epsilon: NotNegative = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
+    barrier: NotNegative = 1e-3  # ours; "a small constant" in the paper
+    cull_px: NotNegative = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
-    max_steps: int = 256  # ours; some ten, but with "gradient" one for each variable that fills up
+    max_steps: Count = 256  # ours; some ten; with "gradient" one for each variable that fills up
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, and tell smooth leaves from discrete nodes."""
-        if self.epsilon < 0.0 or self.barrier < 0.0 or self.cull_px < 0.0 or self.max_steps < 0:
-            raise InputError(
-                "zach: expected epsilon, barrier, cull_px and max_steps >= 0, got "
-                f"{self.epsilon}, {self.barrier}, {self.cull_px} and {self.max_steps}"
-            )
+        check_parameters(self, "zach")
         costs = ResolutionCosts(scene, "zach")
         self._budget_ms = budget_ms
         tree = Tree(scene)

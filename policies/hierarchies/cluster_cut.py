@@ -5,13 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
 from ..shared.hierarchy import Hierarchy
+from ..shared.ranges import AtLeastOne, Finite, NotNegative, Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
 
@@ -38,27 +38,18 @@ class ClusterCut:
     resolution, whose rule ``sqrt(target / time)`` is taken here.
     """
 
-    tolerance_px: float = 1.0  # Nanite: pixels per edge; meshoptimizer: error of one pixel
-    max_px: float = 64.0  # ours; Nanite's floor of 30 % resolution would be 3.3 px
-    target: float = 0.9  # Unreal's headroom of 10 %
-    gain: float = 0.5  # Unreal's square root
-    dead_band: float = 0.05  # ours
-    rate_limit: float = 1.1  # ours: at most 10 % a frame
+    tolerance_px: Finite = 1.0  # Nanite: pixels per edge; meshoptimizer: error of one pixel
+    max_px: Finite = 64.0  # ours; Nanite's floor of 30 % resolution would be 3.3 px
+    target: Share = 0.9  # Unreal's headroom of 10 %
+    gain: NotNegative = 0.5  # Unreal's square root
+    dead_band: NotNegative = 0.05  # ours
+    rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
-        if not (0.0 < self.tolerance_px <= self.max_px < np.inf and 0.0 < self.target <= 1.0):
-            raise InputError(
-                "cluster-cut: expected 0 < tolerance_px <= max_px and target in (0, 1], got "
-                f"{self.tolerance_px:g}, {self.max_px:g} and {self.target:g}"
-            )
-        if self.gain < 0.0 or self.dead_band < 0.0 or self.rate_limit < 1.0:
-            raise InputError(
-                "cluster-cut: expected gain >= 0, dead_band >= 0 and rate_limit >= 1, got "
-                f"{self.gain:g}, {self.dead_band:g} and {self.rate_limit:g}"
-            )
+        check_parameters(self, "cluster-cut", "tolerance_px", "max_px")
         self._chooser = ErrorLadder(scene) if scene.flat else Hierarchy(scene)
         self._budget_ms = budget_ms
         self._reports = Reports()
