@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
@@ -14,7 +13,7 @@ from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..shared.v_time import VTime
 from ..solvers.active_set import allocate_by_active_set
-from ..solvers.allocation import Allocation, allocate
+from ..solvers.allocation import Allocation
 from ..view import View
 
 
@@ -88,17 +87,14 @@ class Gobbetti:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "gobbetti")
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti")
+        self._costs = ResolutionCosts(scene, "gobbetti")
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt)
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
         self._last = np.zeros(len(scene))
 
     def select(self, view: View) -> Selection:
         """Return the resolutions of least degradation that fit the budget."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         budget_ms = self._v_time.budget_ms(view, self._budget_ms)
         problem = costs.problem(view, budget_ms)
         result = self._solve(problem, self.degradation(view), self._last[view.ids])
@@ -113,7 +109,7 @@ class Gobbetti:
         """Return the degradation of each candidate in full detail, ``s · w``, (m,)."""
         factor = view.area_px * view.scene.importance[view.ids]
         if self.weight == "area-per-triangle":
-            factor /= self._primitives[view.type_index]
+            factor /= self._costs.primitives(view)
         if self.velocity:
             factor *= velocity_weight(view.speed_deg_s)
         if self.eccentricity:
@@ -123,19 +119,15 @@ class Gobbetti:
     def _solve(
         self, problem: ResolutionProblem, degradation: FloatArray, start: FloatArray
     ) -> Allocation:
-        weight, power = problem.pieces(self.m * degradation), self.m + 1.0
-        low, high = problem.low, problem.high
         if self.engine == "newton":
-            return allocate(
-                weight, problem.cost, problem.budget_ms, power=power, low=low, high=high
-            )
+            return problem.allocate(self.m * degradation, self.m + 1.0)
         return allocate_by_active_set(
-            weight,
+            problem.pieces(self.m * degradation),
             problem.cost,
             problem.budget_ms,
-            power=power,
-            low=low,
-            high=high,
+            power=self.m + 1.0,
+            low=problem.low,
+            high=problem.high,
             max_iterations=self.max_iterations,
             start=problem.pieces(start),
         )

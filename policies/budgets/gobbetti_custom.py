@@ -9,7 +9,6 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
@@ -77,11 +76,9 @@ class GobbettiCustom:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""
         check_parameters(self, "gobbetti-custom")
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti-custom")
+        self._costs = ResolutionCosts(scene, "gobbetti-custom")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
-        self._program: ConvexProgram | None = self._build(_FEWEST_PLACES)
+        self._program = self._build(_FEWEST_PLACES)
         self._last = np.zeros((2, len(scene)))
         self._budget_multiplier = 0.0
         self.failures = 0
@@ -89,7 +86,6 @@ class GobbettiCustom:
     def select(self, view: View) -> Selection:
         """Return the resolutions that the formulas make optimal."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         if not len(view):
             return Selection(view.ids, np.zeros(0), predicted_ms=costs.fixed_ms(view))
         frame = self._frame(view)
@@ -112,15 +108,13 @@ class GobbettiCustom:
         Raises `InputError` if a formula has no finite value at the lowest resolutions.
         """
         costs, program = self._costs, self._program
-        assert costs is not None, "reset comes first"
-        assert program is not None, "reset comes first"
         if program.places < len(view):
             self._program = program = self._build(1 << (len(view) - 1).bit_length())
         fixed_ms, _, slope_ms, low = costs.stretches(view)
         values = np.column_stack(
             (
                 view.area_px,
-                self._primitives[view.type_index],
+                self._costs.primitives(view),
                 view.scene.importance[view.ids],
                 view.speed_deg_s,
                 view.eccentricity_deg,
@@ -168,7 +162,6 @@ class GobbettiCustom:
         return resolution, selection
 
     def _attempts(self, frame: "_Frame", point: Point) -> Iterator[FloatArray]:
-        assert self._costs is not None, "reset comes first"
         if point.failure is None:
             yield np.minimum(point.resolution * (1.0 + _INTERIOR), 1.0)
         yield np.clip(self._last[0, frame.view.ids], frame.low, 1.0)
@@ -177,7 +170,6 @@ class GobbettiCustom:
 
     def _selection(self, frame: "_Frame", resolution: FloatArray, work: Work) -> Selection:
         costs, view = self._costs, frame.view
-        assert costs is not None, "reset comes first"
         detail = costs.detail(view, resolution)
         if self.cost is None:
             predicted_ms = costs.predict_ms(view, detail)

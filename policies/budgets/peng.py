@@ -3,16 +3,12 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-import numpy as np
-
 from ...base.arrays import FloatArray
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
-from ..solvers.allocation import allocate
 from ..view import View
 from .wimmer import clamped_shares
 
@@ -48,15 +44,12 @@ class Peng:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "peng")
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "peng")
+        self._costs = ResolutionCosts(scene, "peng")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
 
     def select(self, view: View) -> Selection:
         """Return the shares of every candidate that is large enough."""
         costs, candidates = self._costs, len(view)
-        assert costs is not None, "reset comes first"
         large = view.area_px >= self.threshold_px
         seen = view if large.all() else view.at(view.ids[large])
         problem = costs.problem(seen, self._budget_ms)
@@ -67,16 +60,9 @@ class Peng:
     def _share(self, problem: ResolutionProblem, view: View) -> tuple[FloatArray, Work]:
         # The weight at which (weight / cost)^(1/α) is A^(1/α) over full primitives.
         weight = problem.cost[: len(view)] * view.area_px
-        weight *= self._primitives[view.type_index] ** -self.alpha
+        weight *= self._costs.primitives(view) ** -self.alpha
         if self.mode == "clipped":
             return clamped_shares(problem, weight, self.alpha)
-        result = allocate(
-            problem.pieces(weight),
-            problem.cost,
-            problem.budget_ms,
-            power=self.alpha,
-            low=problem.low,
-            high=problem.high,
-        )
+        result = problem.allocate(weight, self.alpha)
         work = Work(len(view), result.comparisons, result.iterations)
         return problem.resolution(result.x), work

@@ -7,7 +7,6 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
@@ -37,14 +36,7 @@ def clamped_shares(
         resolution = np.clip(closed.x, low, problem.high[:count])
         if float(cost @ resolution) <= budget_ms:
             return resolution, Work(count, 2 * count, 1)
-    bounded = allocate(
-        problem.pieces(weight),
-        problem.cost,
-        problem.budget_ms,
-        power=power,
-        low=problem.low,
-        high=problem.high,
-    )
+    bounded = problem.allocate(weight, power)
     work = Work(count, 2 * count + bounded.comparisons, 1 + bounded.iterations)
     return problem.resolution(bounded.x), work
 
@@ -79,17 +71,14 @@ class Wimmer:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "wimmer")
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "wimmer")
+        self._costs = ResolutionCosts(scene, "wimmer")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
 
     def select(self, view: View) -> Selection:
         """Return the clamped shares of every candidate."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         problem = costs.problem(view, self._budget_ms)
         weight = view.area_px * view.scene.importance[view.ids]
-        weight *= self._primitives[view.type_index] ** -float(self.m)
+        weight *= self._costs.primitives(view) ** -float(self.m)
         resolution, work = clamped_shares(problem, weight, self.m + 1.0)
         return costs.selection(view, resolution, self._budget_ms, work)

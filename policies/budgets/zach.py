@@ -22,15 +22,6 @@ _KEPT_BACK = 1e-9
 """Share of the budget that is left to rounding, so that a prediction never exceeds it."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Halves:
-    """What a scene's nodes cost, and which of them are discrete and which smooth."""
-
-    costs: ResolutionCosts
-    patches: Patches
-    groups: Groups
-
-
 @dataclass
 class Zach:
     """Idea: raise discrete and smooth representations in turn, whichever gains more per cost.
@@ -77,40 +68,38 @@ class Zach:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, and tell smooth leaves from discrete nodes."""
         check_parameters(self, "zach")
-        costs = ResolutionCosts(scene, "zach")
+        self._costs = costs = ResolutionCosts(scene, "zach")
         self._budget_ms = budget_ms
         tree = Tree(scene)
         solid = (tree.primitives > 0.0) | tree.leaf
         free = tree.first_in(solid, np.arange(len(scene))) < 0
         smooth = scene.continuous & tree.leaf & free
-        patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
-        self._halves: _Halves | None = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
+        self._patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
+        self._groups = Groups(scene, tree, costs, smooth)
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""
-        halves = self._halves
-        assert halves is not None, "reset comes first"
-        offer = halves.patches.offer(view)
-        inside, seen = halves.groups.seen(view)
+        offer = self._patches.offer(view)
+        inside, seen = self._groups.seen(view)
         everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
         left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
-        left_ms -= halves.costs.fixed_ms(everything)
+        left_ms -= self._costs.fixed_ms(everything)
         epsilon = self.epsilon if self.splitting else None
-        plan = halves.groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
+        plan = self._groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
         if plan is None:
-            ids = seen.ids[~halves.groups.optional(seen)]
-            resolution = halves.costs.lowest(view.at(ids))
+            ids = seen.ids[~self._groups.optional(seen)]
+            resolution = self._costs.lowest(view.at(ids))
             work = Work(len(everything))
         else:
             smooth = self._ascent(plan)
             left_ms -= plan.setup_ms + float(plan.low.sum())
             _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
             ids = plan.ids
-            resolution = np.maximum(plan.resolution(smooth.x), halves.costs.lowest(view.at(ids)))
+            resolution = np.maximum(plan.resolution(smooth.x), self._costs.lowest(view.at(ids)))
             work = _work(offer, plan, smooth, steps)
-        patch_ids, level = halves.patches.front(offer)
+        patch_ids, level = self._patches.front(offer)
         ids, detail = np.concatenate((patch_ids, ids)), np.concatenate((level, resolution))
-        predicted_ms = halves.costs.predict_ms(view.at(ids), detail)
+        predicted_ms = self._costs.predict_ms(view.at(ids), detail)
         return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
 
     def _ascent(self, plan: Plan) -> Ascent:

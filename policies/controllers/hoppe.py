@@ -59,7 +59,7 @@ class Hoppe:
         self._tolerance_px = self.start_px
         self._drawn = math.nan
         self._reports = Reports()
-        self._ladder: ErrorLadder | None = ErrorLadder(scene)
+        self._ladder = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return a level for every candidate."""
@@ -68,7 +68,6 @@ class Hoppe:
             log_px = math.log(self._tolerance_px) + gain * math.log(ratio)
             low, high = math.log(self.min_px), math.log(self.max_px)
             self._tolerance_px = math.exp(min(max(log_px, low), high))
-        assert self._ladder is not None, "reset comes before select"
         selection = self._ladder.select(view, self._tolerance_px, 0.0)
         if self.triangles is not None:
             levels = view.scene.types.levels

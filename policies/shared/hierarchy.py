@@ -128,8 +128,6 @@ class NodeCosts:
     charged once for every frame.
     """
 
-    __slots__ = ("_alone_ms", "_costs", "_row", "_shared")
-
     def __init__(self, scene: Scene, costs: FrameCost) -> None:
         levels = scene.types.levels
         self._costs = costs

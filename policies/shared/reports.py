@@ -15,8 +15,6 @@ class Reports:
     above the target, so that no fault ever raises detail.
     """
 
-    __slots__ = ("_read",)
-
     def __init__(self) -> None:
         self._read = 0
 

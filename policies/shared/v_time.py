@@ -17,8 +17,6 @@ class VTime:
     factor : float
     """
 
-    __slots__ = ("_predicted_ms", "_rate", "_reports", "factor")
-
     def __init__(self, rate: float) -> None:
         self.factor = 1.0
         self._rate = rate

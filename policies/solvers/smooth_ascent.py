@@ -44,8 +44,6 @@ class Ascent(Protocol):
 class NewtonAscent:
     """Raises by the closed form ``x = (weight / 2 slope)²`` within bounds; exact."""
 
-    __slots__ = ("_high", "_low", "_weight", "passes", "x")
-
     def __init__(self, weight: FloatArray, low: FloatArray, high: FloatArray) -> None:
         self._weight, self._low, self._high = weight, low, high
         self.x = low.copy()
@@ -87,8 +85,6 @@ class GradientAscent:
     costs no more, until the ray lifts it.  A ray ends where the first variable reaches its highest
     value, as printed, or where all have that move, if it is `bent`.
     """
-
-    __slots__ = ("_at", "_bent", "_direction", "_high", "_low", "_weight", "barrier", "passes")
 
     def __init__(
         self,

@@ -44,9 +44,8 @@ class PixelError:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the errors."""
         check_parameters(self, "pixel-error")
-        self._ladder: ErrorLadder | None = ErrorLadder(scene)
+        self._ladder = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
-        assert self._ladder is not None, "reset comes before select"
         return self._ladder.select(view, self.threshold_px, self.hysteresis)
