@@ -13,7 +13,7 @@ from ..shared.choices import require_costs
 from ..shared.ranges import Count, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..shared.zach_groups import Groups, Plan
-from ..shared.zach_patches import Offer, Patches
+from ..shared.zach_patches import Patches, Refinements
 from ..solvers.mixed_selection import raise_in_turn
 from ..solvers.smooth_ascent import Ascent, GradientAscent, NewtonAscent
 from ..view import View
@@ -79,10 +79,10 @@ class Zach:
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""
-        offer = self._patches.offer(view)
+        discrete = self._patches.refinements(view)
         inside, seen = self._groups.seen(view)
-        everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
-        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
+        everything = view.at(np.concatenate((discrete.view.ids, seen.ids)))
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - discrete.base_ms
         left_ms -= self._costs.fixed_ms(everything)
         epsilon = self.epsilon if self.splitting else None
         plan = self._groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
@@ -93,11 +93,11 @@ class Zach:
         else:
             smooth = self._ascent(plan)
             left_ms -= plan.setup_ms + float(plan.low.sum())
-            _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
+            _, steps = raise_in_turn(discrete.forest, smooth, left_ms, self.max_steps)
             ids = plan.ids
             resolution = np.maximum(plan.resolution(smooth.x), self._costs.lowest(view.at(ids)))
-            work = _work(offer, plan, smooth, steps)
-        patch_ids, level = self._patches.front(offer)
+            work = _work(discrete, plan, smooth, steps)
+        patch_ids, level = self._patches.front(discrete)
         ids, detail = np.concatenate((patch_ids, ids)), np.concatenate((level, resolution))
         predicted_ms = self._costs.predict_ms(view.at(ids), detail)
         return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
@@ -109,9 +109,9 @@ class Zach:
         return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
 
 
-def _work(offer: Offer, plan: Plan, smooth: Ascent, steps: int) -> Work:
+def _work(discrete: Refinements, plan: Plan, smooth: Ascent, steps: int) -> Work:
     """Return what was done: two comparisons a variable and pass, and the sorting of increments."""
-    increments = offer.forest.count
+    increments = discrete.forest.count
     comparisons = plan.comparisons + increments * increments.bit_length()
     comparisons += 2 * smooth.passes * len(plan.weight)
-    return Work(len(offer.view) + plan.visited, comparisons, steps + smooth.passes)
+    return Work(len(discrete.view) + plan.visited, comparisons, steps + smooth.passes)

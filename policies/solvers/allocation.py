@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import FloatArray
 
 _PLAIN_PASSES = 16
 """Passes after which every other one halves the bracket, so that no input can stall Newton."""
@@ -40,8 +40,6 @@ class Allocation:
     converged : bool
         Whether x is the optimum, or the feasible point at which the solver had to stop.
     iterations, comparisons : passes over all x, and comparisons made in them
-    at_low, at_high : (n,) bool
-        Which bounds hold.
     """
 
     x: FloatArray
@@ -50,8 +48,47 @@ class Allocation:
     converged: bool
     iterations: int
     comparisons: int
-    at_low: BoolArray
-    at_high: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """What is to be shared: the arguments of `allocate`, with bounds as arrays, (n,)."""
+
+    weight: FloatArray
+    cost: FloatArray
+    budget: float
+    power: float
+    low: FloatArray
+    high: FloatArray
+
+    def unit(self) -> FloatArray:
+        """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is paid."""
+        infinite = np.full(len(self.cost), np.inf)
+        ratio = np.divide(self.weight, self.cost, out=infinite, where=self.cost > 0.0)
+        # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
+        if self.power == 2.0:
+            return np.sqrt(ratio, out=ratio)
+        if self.power == 3.0:
+            return np.cbrt(ratio, out=ratio)
+        return np.power(ratio, 1.0 / self.power, out=ratio)
+
+    def settle(self) -> Allocation | None:
+        """Return the shares where the budget leaves no choice, all at `high` or all at `low`."""
+        cost, budget, low, count = self.cost, self.budget, self.low, len(self.cost)
+        top = self.high
+        for _ in range(2):  # everything in full, else everything that is worth something
+            if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
+                feasible = count > 0 or budget >= 0.0
+                return Allocation(top.copy(), 0.0, feasible, True, 1, count)
+            top = np.where(self.weight > 0.0, self.high, low)
+        floor = float(cost @ low)
+        if floor < budget:
+            return None
+        multiplier = math.inf
+        # The budget pays for just `low`: λ is the least price that keeps every x there.
+        if floor == budget and low.min() > 0.0:
+            multiplier = float((self.unit() / low).max()) ** self.power
+        return Allocation(low.copy(), multiplier, floor <= budget, True, 1, count)
 
 
 def allocate(
@@ -69,21 +106,13 @@ def allocate(
     ``0 <= low <= high``, `high` finite where the cost is 0.  What costs nothing is at `high`; what
     weighs nothing is at `low` unless everything can be at `high`.
     """
-    low, high = as_bounds(low, high, len(cost))
-    early = settle(weight, cost, budget, power=power, low=low, high=high)
-    if early is not None:
-        return early
-    return _iterate(unit_share(weight, cost, power), cost, budget, power, low, high)
+    shares = Shares(weight, cost, budget, power, *as_bounds(low, high, len(cost)))
+    return shares.settle() or _iterate(shares)
 
 
-def _iterate(
-    share: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    power: float,
-    low: FloatArray,
-    high: FloatArray,
-) -> Allocation:
+def _iterate(shares: Shares) -> Allocation:
+    share, cost, budget = shares.unit(), shares.cost, shares.budget
+    low, high = shares.low, shares.high
     paid = np.multiply(cost, share, out=np.zeros(len(cost)), where=cost > 0.0)
     scale, below, above = budget / float(paid.sum()), 0.0, math.inf
     was_low = was_high = np.zeros(len(cost), dtype=np.bool_)
@@ -113,7 +142,7 @@ def _iterate(
             break
         scale, was_low, was_high = following, at_low, at_high
     comparisons = 2 * len(cost) * iterations
-    return Allocation(x, scale**-power, True, True, iterations, comparisons, at_low, at_high)
+    return Allocation(x, scale**-shares.power, True, True, iterations, comparisons)
 
 
 def _halve(below: float, above: float) -> float:
@@ -128,43 +157,3 @@ def as_bounds(
 ) -> tuple[FloatArray, FloatArray]:
     """Return both bounds as arrays, (n,)."""
     return np.broadcast_to(low, count), np.broadcast_to(high, count)
-
-
-def unit_share(weight: FloatArray, cost: FloatArray, power: float) -> FloatArray:
-    """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is to be paid."""
-    ratio = np.divide(weight, cost, out=np.full(len(cost), np.inf), where=cost > 0.0)
-    # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
-    if power == 2.0:
-        return np.sqrt(ratio, out=ratio)
-    if power == 3.0:
-        return np.cbrt(ratio, out=ratio)
-    return np.power(ratio, 1.0 / power, out=ratio)
-
-
-def settle(
-    weight: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    *,
-    power: float,
-    low: FloatArray,
-    high: FloatArray,
-) -> Allocation | None:
-    """Return the shares where the budget leaves no choice, all at `high` or all at `low`."""
-    count = len(cost)
-    top = high
-    for _ in range(2):  # everything in full, else everything that is worth something
-        if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
-            feasible = count > 0 or budget >= 0.0
-            flags = top <= low, top >= high
-            return Allocation(top.copy(), 0.0, feasible, True, 1, count, *flags)
-        top = np.where(weight > 0.0, high, low)
-    floor = float(cost @ low)
-    if floor < budget:
-        return None
-    multiplier = math.inf
-    # The budget pays for just `low`: λ is the least price that keeps every x there.
-    if floor == budget and low.min() > 0.0:
-        multiplier = float((unit_share(weight, cost, power) / low).max()) ** power
-    flags = low <= low, low >= high  # noqa: PLR0124 - at its lower bound is everything
-    return Allocation(low.copy(), multiplier, floor <= budget, True, 1, count, *flags)

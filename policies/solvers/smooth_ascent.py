@@ -11,7 +11,7 @@ a bound that it meets instead of ended there, which spares a step for each varia
 """
 
 import math
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,25 +20,6 @@ from .allocation import allocate
 
 _PRECISION = 1e-12  # relative, of slopes and costs
 _MAX_PASSES = 100  # of one line search; it takes about ten
-
-
-class Ascent(Protocol):
-    """Smooth variables that can be raised; `passes` counts passes over all of them."""
-
-    passes: int
-
-    @property
-    def x(self) -> FloatArray:
-        """Current values, (V,)."""
-        ...
-
-    def slope(self) -> float:
-        """Return benefit per cost of raising further from here; 0 where nothing can be raised."""
-        ...
-
-    def raise_to(self, slope: float, spend: float) -> float:
-        """Raise until benefit per cost falls to `slope` or `spend` is spent; return what was."""
-        ...
 
 
 class NewtonAscent:
@@ -87,13 +68,7 @@ class GradientAscent:
     """
 
     def __init__(
-        self,
-        weight: FloatArray,
-        low: FloatArray,
-        high: FloatArray,
-        *,
-        barrier: float,
-        bent: bool,
+        self, weight: FloatArray, low: FloatArray, high: FloatArray, *, barrier: float, bent: bool
     ) -> None:
         """Begin at `low`; `weight`, `low` and `high` are (V,) and not negative."""
         self._bent = bent
@@ -216,3 +191,7 @@ class GradientAscent:
         self.passes += 1
         root = np.clip(place, self._low, self._high)
         return float((root * root).sum())
+
+
+Ascent: TypeAlias = NewtonAscent | GradientAscent
+"""Smooth variables that can be raised; `passes` counts passes over all of them."""

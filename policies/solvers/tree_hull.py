@@ -19,7 +19,7 @@ from ..shared.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True, slots=True)
-class Increments:
+class TreeIncrements:
     """k increments by falling slope, an increment behind those above it.
 
     Attributes
@@ -39,7 +39,7 @@ class Increments:
 
 def tree_increments(
     hierarchy: Hierarchy, cost: FloatArray, benefit: FloatArray, item: BoolArray
-) -> Increments:
+) -> TreeIncrements:
     """Merge the refinements of the nodes marked in `item` into increments.
 
     `cost` and `benefit` are (N,), of refining each node; an item's nearest ancestor that is no item
@@ -95,7 +95,7 @@ def _sorted(
     cost: FloatArray,
     benefit: FloatArray,
     slope: FloatArray,
-) -> Increments:
+) -> TreeIncrements:
     # A block may have joined one that joined another later: follow to the end.
     while (block[block] != block).any():
         block = block[block]
@@ -105,7 +105,7 @@ def _sorted(
     position = np.full(len(head), -1)
     position[heads] = np.arange(len(heads))
     owner = np.where(item, position[block], -1)
-    return Increments(cost[heads], benefit[heads], slope[heads], owner)
+    return TreeIncrements(cost[heads], benefit[heads], slope[heads], owner)
 
 
 def take_part(

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import pytest
 
@@ -65,7 +65,7 @@ def test_defaults_and_none_where_it_is_allowed_pass() -> None:
     ],
 )
 def test_the_parameter_its_range_and_its_value_are_named(
-    wrong: dict[str, float], message: str
+    wrong: dict[str, Any], message: str
 ) -> None:
     """One shape of message for every range, choice and order."""
     with pytest.raises(InputError, match=message):

@@ -33,8 +33,8 @@ def test_gobbetti_bouvier_by_hand(
     assert_allclose(result.x, x, atol=5e-7)
     assert result.multiplier == pytest.approx(multiplier, abs=5e-7)
     assert float((WEIGHT / result.x).sum()) == pytest.approx(degradation, abs=5e-7)
-    assert result.at_high.tolist() == [budget == 30.0, False, False]
-    assert not result.at_low.any()
+    assert (result.x >= 1.0).tolist() == [budget == 30.0, False, False]
+    assert (result.x > 0.05).all()
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,6 @@ def test_infeasible_is_low_and_says_so() -> None:
     assert not result.feasible
     assert result.converged
     assert result.multiplier == math.inf
-    assert result.at_low.all()
 
 
 def test_a_budget_of_exactly_the_lower_bounds(kkt_residual: Residual) -> None:
@@ -122,7 +121,6 @@ def test_everything_in_full(budget: float) -> None:
     result = allocate(WEIGHT, COST, budget, power=2.0, low=0.05, high=1.0)
     assert_array_equal(result.x, 1.0)
     assert result.multiplier == 0.0
-    assert result.at_high.all()
 
 
 @pytest.mark.parametrize("power", [0.5, 2.0, 3.0, 4.5])
