@@ -12,8 +12,8 @@ from ..selection import Selection, Work
 from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..shared.v_time import VTime
-from ..solvers.active_set import allocate_by_active_set
-from ..solvers.allocation import Allocation
+from ..solvers.active_set import search_active_set
+from ..solvers.allocation import Allocation, solve
 from ..view import View
 
 
@@ -119,15 +119,8 @@ class Gobbetti:
     def _solve(
         self, problem: ResolutionProblem, degradation: FloatArray, start: FloatArray
     ) -> Allocation:
+        shares = problem.shares(self.m * degradation, self.m + 1.0)
         if self.engine == "newton":
-            return problem.allocate(self.m * degradation, self.m + 1.0)
-        return allocate_by_active_set(
-            problem.pieces(self.m * degradation),
-            problem.cost,
-            problem.budget_ms,
-            power=self.m + 1.0,
-            low=problem.low,
-            high=problem.high,
-            max_iterations=self.max_iterations,
-            start=problem.pieces(start),
-        )
+            return solve(shares)
+        begin = problem.pieces(start)
+        return search_active_set(shares, max_iterations=self.max_iterations, start=begin)

@@ -9,6 +9,7 @@ from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..solvers.allocation import solve
 from ..view import View
 from .wimmer import clamped_shares
 
@@ -63,6 +64,6 @@ class Peng:
         weight *= self._costs.primitives(view) ** -self.alpha
         if self.mode == "clipped":
             return clamped_shares(problem, weight, self.alpha)
-        result = problem.allocate(weight, self.alpha)
+        result = solve(problem.shares(weight, self.alpha))
         work = Work(len(view), result.comparisons, result.iterations)
         return problem.resolution(result.x), work

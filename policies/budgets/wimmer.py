@@ -12,7 +12,7 @@ from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
-from ..solvers.allocation import allocate
+from ..solvers.allocation import allocate, solve
 from ..view import View
 
 
@@ -36,7 +36,7 @@ def clamped_shares(
         resolution = np.clip(closed.x, low, problem.high[:count])
         if float(cost @ resolution) <= budget_ms:
             return resolution, Work(count, 2 * count, 1)
-    bounded = problem.allocate(weight, power)
+    bounded = solve(problem.shares(weight, power))
     work = Work(count, 2 * count + bounded.comparisons, 1 + bounded.iterations)
     return problem.resolution(bounded.x), work
 

@@ -1,17 +1,13 @@
 """``feedback``: screen thresholds steered by the times of completed frames."""
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.ranges import AtLeastOne, NotNegative, Share, check_parameters
-from ..shared.reports import Reports
+from ..shared.reports import Reports, steer
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
 
@@ -54,19 +50,13 @@ class Feedback:
         check_parameters(self, "feedback")
         self._levels = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._levels.reset(scene, budget_ms)
-        self._budget_ms = budget_ms
+        self._target_ms = self.target * budget_ms
         self._bias = 1.0
         self._reports = Reports()
 
     def select(self, view: View) -> Selection:
         """Steer the bias, then return a level for every candidate."""
-        self._steer(view.completed)
+        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        bias = steer(self._bias, ratio, -self.gain, self.dead_band, self.rate_limit)
+        self._bias = min(max(bias, self.min_bias), self.max_bias)
         return self._levels.select_biased(view, self._bias)
-
-    def _steer(self, completed: Completed) -> None:
-        target_ms = self.target * self._budget_ms
-        error = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
-        if math.isnan(error) or abs(error - 1.0) <= self.dead_band:
-            return
-        step = np.clip(error**-self.gain, 1.0 / self.rate_limit, self.rate_limit)
-        self._bias = float(np.clip(self._bias * step, self.min_bias, self.max_bias))

@@ -6,13 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
 from ..shared.hierarchy import Hierarchy
 from ..shared.ranges import AtLeastOne, Finite, NotNegative, Share, check_parameters
-from ..shared.reports import Reports
+from ..shared.reports import Reports, steer
 from ..view import View
 
 
@@ -51,13 +50,15 @@ class ClusterCut:
         """Check parameters and start from the tolerance."""
         check_parameters(self, "cluster-cut", "tolerance_px", "max_px")
         self._chooser = ErrorLadder(scene) if scene.flat else Hierarchy(scene)
-        self._budget_ms = budget_ms
+        self._target_ms = self.target * budget_ms
         self._reports = Reports()
         self._steered_px = self.tolerance_px
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return levels or a front within it."""
-        self._steer(view.completed)
+        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        steered_px = steer(self._steered_px, ratio, self.gain, self.dead_band, self.rate_limit)
+        self._steered_px = min(max(steered_px, self.tolerance_px), self.max_px)
         tree = self._chooser
         if isinstance(tree, ErrorLadder):
             return tree.select(view, self._steered_px, 0.0)
@@ -66,12 +67,3 @@ class ClusterCut:
         above = tree.raise_to_children(error_px) > self._steered_px
         ids, detail = tree.front(view, tree.close(view, above))
         return Selection(ids, detail, Work(len(tree.scene), len(tree.scene)))
-
-    def _steer(self, completed: Completed) -> None:
-        target_ms = self.target * self._budget_ms
-        ratio = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
-        if np.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
-            return
-        step = np.clip(ratio**self.gain, 1.0 / self.rate_limit, self.rate_limit)
-        steered_px = np.clip(self._steered_px * step, self.tolerance_px, self.max_px)
-        self._steered_px = float(steered_px)

@@ -5,20 +5,9 @@ A policy writes ``gain: NotNegative = 0.5`` and calls `check_parameters` in its 
 
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Literal,
-    TypeAlias,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
 
 from ...base.errors import InputError
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +15,6 @@ class Interval:
     """Numbers between two ends, written as in mathematics: ``(0, 1]`` is without 0 and with 1."""
 
     text: str
-
-    def __str__(self) -> str:
-        """Return the interval as it is written."""
-        return self.text
 
     def __contains__(self, value: float) -> bool:
         """Return whether a number lies in the interval; NaN lies in none."""
@@ -50,13 +35,13 @@ Count: TypeAlias = Annotated[int, Interval("[0, inf]")]
 PositiveInt: TypeAlias = Annotated[int, Interval("[1, inf]")]
 
 
-def check_parameters(policy: "DataclassInstance", name: str, *rising: str) -> None:
+def check_parameters(policy: Any, name: str, *rising: str) -> None:
     """Raise `InputError` if a parameter lies outside its range, or those of `rising` fall.
 
     A range is an `Interval` in the parameter's annotation, or the values of a `Literal`; None is
     outside of all ranges where the annotation does not allow for it.
     """
-    hints = get_type_hints(type(policy), include_extras=True)
+    hints = get_type_hints(policy.__class__, include_extras=True)
     for parameter in fields(policy):
         value, hint = getattr(policy, parameter.name), hints[parameter.name]
         kinds = get_args(hint)
@@ -69,7 +54,7 @@ def check_parameters(policy: "DataclassInstance", name: str, *rising: str) -> No
             for interval in getattr(kind, "__metadata__", ()):
                 if value not in interval:
                     raise InputError(
-                        f"{name}: expected {parameter.name} in {interval}, got {value}"
+                        f"{name}: expected {parameter.name} in {interval.text}, got {value}"
                     )
     values = [getattr(policy, parameter) for parameter in rising]
     if any(low > high for low, high in pairwise(values)):

@@ -17,7 +17,7 @@ from ...models.scene.benefit import level_primitives
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
-from ..solvers.allocation import Allocation, allocate
+from ..solvers.allocation import Shares
 from ..view import View
 from .choices import distinct, require_costs
 from .discretise import nearest_level
@@ -57,16 +57,10 @@ class ResolutionProblem:
         """Return values of candidates for every piece, (m + e,)."""
         return np.concatenate((values, values[self.second])) if len(self.second) else values
 
-    def allocate(self, weight: FloatArray, power: float) -> Allocation:
-        """Return the optimal shares of pieces for the weights of candidates, (m + e,)."""
-        return allocate(
-            self.pieces(weight),
-            self.cost,
-            self.budget_ms,
-            power=power,
-            low=self.low,
-            high=self.high,
-        )
+    def shares(self, weight: FloatArray, power: float) -> Shares:
+        """Return what the pieces share, for the weights of candidates, (m,)."""
+        pieces = self.pieces(weight)
+        return Shares(pieces, self.cost, self.budget_ms, power, self.low, self.high)
 
     def resolution(self, x: FloatArray) -> FloatArray:
         """Return the resolution of each candidate from x of each piece, (m,)."""

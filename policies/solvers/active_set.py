@@ -15,7 +15,7 @@ notes.
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from .allocation import Allocation, Shares, as_bounds
+from .allocation import Allocation, Shares
 
 _SHRINK = 0.8
 """Factor by which a start that is too dear is scaled down; the paper's is lost, this is ours."""
@@ -24,29 +24,20 @@ _TOLERANCE = 1e-12
 """Relative size below which a multiplier counts as zero and a budget as spent."""
 
 
-def allocate_by_active_set(
-    weight: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    *,
-    power: float,
-    low: FloatArray | float,
-    high: FloatArray | float,
-    max_iterations: int,
-    start: FloatArray | None = None,
+def search_active_set(
+    shares: Shares, *, max_iterations: int, start: FloatArray | None = None
 ) -> Allocation:
     """Return the optimal shares, or a feasible point after `max_iterations` passes.
 
-    As `allocate`, but `low` is positive.  `start`, (n,), is where to begin, such as the shares of
-    the last frame; it is brought within the bounds and the budget.  Without it, begin at `low`.
+    As `solve`, but `low` is positive.  `start`, (n,), is where to begin, such as the shares of the
+    last frame; it is brought within the bounds and the budget.  Without it, begin at `low`.
     """
-    shares = Shares(weight, cost, budget, power, *as_bounds(low, high, len(cost)))
     early = shares.settle()
     if early is not None:
         return early
     search = _Search(shares)
     if start is not None:
-        search.begin(np.clip(start, low, high), max_iterations)
+        search.begin(np.clip(start, shares.low, shares.high), max_iterations)
     converged = False
     while not converged and search.iterations < max_iterations:
         converged = search.step()

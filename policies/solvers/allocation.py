@@ -52,7 +52,7 @@ class Allocation:
 
 @dataclass(frozen=True, slots=True)
 class Shares:
-    """What is to be shared: the arguments of `allocate`, with bounds as arrays, (n,)."""
+    """A problem to solve: the arguments of `allocate`, with bounds as arrays, (n,)."""
 
     weight: FloatArray
     cost: FloatArray
@@ -106,11 +106,15 @@ def allocate(
     ``0 <= low <= high``, `high` finite where the cost is 0.  What costs nothing is at `high`; what
     weighs nothing is at `low` unless everything can be at `high`.
     """
-    shares = Shares(weight, cost, budget, power, *as_bounds(low, high, len(cost)))
-    return shares.settle() or _iterate(shares)
+    low, high = np.broadcast_to(low, len(cost)), np.broadcast_to(high, len(cost))
+    return solve(Shares(weight, cost, budget, power, low, high))
 
 
-def _iterate(shares: Shares) -> Allocation:
+def solve(shares: Shares) -> Allocation:
+    """Return the optimal shares, as `allocate`."""
+    early = shares.settle()
+    if early is not None:
+        return early
     share, cost, budget = shares.unit(), shares.cost, shares.budget
     low, high = shares.low, shares.high
     paid = np.multiply(cost, share, out=np.zeros(len(cost)), where=cost > 0.0)
@@ -150,10 +154,3 @@ def _halve(below: float, above: float) -> float:
     if above == math.inf:
         return 4.0 * below
     return math.sqrt(below) * math.sqrt(above) if below > 0.0 else 0.25 * above
-
-
-def as_bounds(
-    low: FloatArray | float, high: FloatArray | float, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return both bounds as arrays, (n,)."""
-    return np.broadcast_to(low, count), np.broadcast_to(high, count)

@@ -78,18 +78,12 @@ class StaticScreen:
 
     def select_biased(self, view: View, bias: float) -> Selection:
         """Return a level for every candidate under another bias than the policy's own."""
-        levels = view.scene.types.levels
-        detail = detail_of_level(levels, view.type_index, self.levels(view, bias))
-        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
-
-    def levels(self, view: View, bias: float) -> FloatArray:
-        """Return the level of every candidate under a bias, with hysteresis, (m,)."""
+        table = view.scene.types.levels
         height = screen_height(view)
         height *= bias
         coarsest = self._coarsest[view.type_index]
         level = screen_level(height, coarsest, self.first, self.ratio)
         if self.hysteresis:
-            table = view.scene.types.levels
             before = level_of_detail(table, view.type_index, view.previous_detail)
             height -= self.hysteresis
             np.maximum(height, 1e-9, out=height)
@@ -97,4 +91,5 @@ class StaticScreen:
             # Finer only if it would be with the margin taken off too; NaN compares false.
             hold = level < before
             level[hold] = np.minimum(late, before)[hold]
-        return level
+        detail = detail_of_level(table, view.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.arrays import FloatArray
-from lodbench.policies.solvers.allocation import Allocation, as_bounds
+from lodbench.policies.solvers.allocation import Allocation
 
 
 @pytest.fixture(scope="session")
@@ -32,7 +32,7 @@ def _kkt_residual(
     `high`, and value per cost is λ between the bounds, at most λ at `low`, at least λ at `high`.
     """
     x, multiplier = result.x, result.multiplier
-    low, high = as_bounds(low, high, len(x))
+    low, high = np.broadcast_to(low, len(x)), np.broadcast_to(high, len(x))
     spent = float(cost @ x)
     outside = float(np.maximum(np.maximum(low - x, x - high), 0.0).max(initial=0.0))
     if multiplier == 0.0:

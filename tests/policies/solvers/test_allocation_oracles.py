@@ -1,6 +1,5 @@
 """Both solvers against two independent ones: a dual bisection, and casadi's ipopt."""
 
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,8 +10,8 @@ import numpy as np
 import pytest
 
 from lodbench.base.arrays import FloatArray
-from lodbench.policies.solvers.active_set import allocate_by_active_set
-from lodbench.policies.solvers.allocation import Allocation, allocate
+from lodbench.policies.solvers.active_set import search_active_set
+from lodbench.policies.solvers.allocation import Allocation, Shares, allocate
 
 nlpsol: Any = casadi.nlpsol
 dot: Any = casadi.dot
@@ -20,9 +19,24 @@ SX: Any = casadi.SX
 Solver = Callable[..., Allocation]
 Residual = Callable[..., float]
 
-SOLVERS = {
+
+def by_active_set(
+    weight: FloatArray,
+    cost: FloatArray,
+    budget: float,
+    *,
+    power: float,
+    low: FloatArray,
+    high: float,
+) -> Allocation:
+    """Return what the search finds, asked as `allocate` is."""
+    shares = Shares(weight, cost, budget, power, low, np.full(len(cost), high))
+    return search_active_set(shares, max_iterations=1_000_000)
+
+
+SOLVERS: dict[str, Solver] = {
     "newton": allocate,
-    "active-set": functools.partial(allocate_by_active_set, max_iterations=1_000_000),
+    "active-set": by_active_set,
 }
 
 
