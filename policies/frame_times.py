@@ -19,13 +19,17 @@ class Completed:
         Interval to the previous displayed frame, which vsync quantises; NaN if not displayed yet.
     """
 
-    __slots__ = ("_count", "_times")
+    __slots__ = ("_count", "cpu_ms", "gpu_ms", "present_ms", "work_ms")
 
     def __init__(self, times: FloatArray, count: int) -> None:
         """Wrap the first `count` rows of (n, 4) times: cpu, gpu, work, present."""
-        self._times = times.view()
-        self._times.flags.writeable = False
+        known = times[:count]
+        known.flags.writeable = False
         self._count = count
+        self.cpu_ms: FloatArray = known[:, 0]
+        self.gpu_ms: FloatArray = known[:, 1]
+        self.work_ms: FloatArray = known[:, 2]
+        self.present_ms: FloatArray = known[:, 3]
 
     def __len__(self) -> int:
         """Return the number of completed frames."""
@@ -36,26 +40,6 @@ class Completed:
         """Frame indices, (n,)."""
         return np.arange(self._count, dtype=np.int32)
 
-    @property
-    def cpu_ms(self) -> FloatArray:
-        """CPU time of each frame."""
-        return self._times[: self._count, 0]
-
-    @property
-    def gpu_ms(self) -> FloatArray:
-        """GPU time of each frame."""
-        return self._times[: self._count, 1]
-
-    @property
-    def work_ms(self) -> FloatArray:
-        """Larger of CPU and GPU time of each frame."""
-        return self._times[: self._count, 2]
-
-    @property
-    def present_ms(self) -> FloatArray:
-        """Interval between presents that each frame ended."""
-        return self._times[: self._count, 3]
-
     def last_work_ms(self) -> float:
         """Return the newest work time, or NaN before any frame has completed."""
-        return float(self._times[self._count - 1, 2]) if self._count else math.nan
+        return float(self.work_ms[-1]) if self._count else math.nan

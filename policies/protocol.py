@@ -92,7 +92,7 @@ class Truth:
 
 
 @runtime_checkable
-class Oracle(Policy, Protocol):
+class Clairvoyant(Policy, Protocol):
     """A policy with the capability `future`: it is told the truth before each `select`."""
 
     def foresee(self, truth: Truth) -> None:

@@ -100,6 +100,13 @@ def _wrong_array(name: str, array: Any, kind: str, length: int | None) -> str | 
     return None
 
 
+def _wrong_range(name: str, ids: IntArray, scene: Scene) -> str | None:
+    low, high = int(ids.min()), int(ids.max())
+    if low < 0 or high >= len(scene):
+        return f"{name}: expected 0 to {len(scene) - 1}, got {low} to {high}"
+    return None
+
+
 def _wrong_numbers(work: object, predicted_ms: object, render_scale: object) -> str | None:
     if not isinstance(work, Work):
         return f"work: expected a Work, got {type(work).__name__}"
@@ -117,8 +124,8 @@ def _wrong_numbers(work: object, predicted_ms: object, render_scale: object) -> 
 def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
     if ids is candidates:
         return None
-    if int(ids.min()) < 0 or int(ids.max()) >= len(scene):
-        return f"ids: expected 0 to {len(scene) - 1}, got {int(ids.min())} to {int(ids.max())}"
+    if wrong := _wrong_range("ids", ids, scene):
+        return wrong
     seen = np.zeros(len(scene), dtype=np.bool_)
     seen[ids] = True
     if int(seen.sum()) != len(ids):
@@ -131,9 +138,8 @@ def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
 
 
 def _wrong_holder(ids: IntArray, holder: IntArray, scene: Scene) -> str | None:
-    if int(holder.min()) < 0 or int(holder.max()) >= len(scene):
-        low, high = int(holder.min()), int(holder.max())
-        return f"holder: expected 0 to {len(scene) - 1}, got {low} to {high}"
+    if wrong := _wrong_range("holder", holder, scene):
+        return wrong
     other = scene.type_index[holder] != scene.type_index[ids]
     if other.any():
         at = int(other.argmax())
@@ -142,12 +148,11 @@ def _wrong_holder(ids: IntArray, holder: IntArray, scene: Scene) -> str | None:
 
 
 def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
-    if not isinstance(wanted, np.ndarray) or wanted.ndim != 1 or wanted.dtype.kind != "i":  # pyright: ignore[reportUnnecessaryIsInstance] - a user's policy may return anything
-        return "wanted: expected a one-dimensional array of integers"
-    if len(wanted) == 0:
-        return None
-    if int(wanted.min()) < 0 or int(wanted.max()) >= len(scene):
-        return f"wanted: expected 0 to {len(scene) - 1}, got {wanted.min()} to {wanted.max()}"
+    wrong = _wrong_array("wanted", wanted, "i", None)
+    if wrong or len(wanted) == 0:
+        return wrong
+    if wrong := _wrong_range("wanted", wanted, scene):
+        return wrong
     if len(np.unique(wanted)) != len(wanted):
         return "wanted: expected distinct nodes, got a node twice"
     return None

@@ -96,12 +96,19 @@ class View:
         Flat scenes: nodes whose bounding sphere meets the frustum.  Trees: the roots that do.
     xyz_m : (3, m) float64
         Right, up and forward coordinates of the bounding spheres' centres in the camera's frame.
+    state : FrameState
+        What the view is computed from.
+    scene, camera, frame, time_ns, completed, previous
+        Those of the state.
     """
 
     def __init__(self, state: FrameState, ids: IntArray, xyz_m: FloatArray) -> None:
         self.state = state
         self.ids = ids
         self.xyz_m = xyz_m
+        self.scene, self.camera = state.scene, state.camera
+        self.frame, self.time_ns = state.frame, state.time_ns
+        self.completed, self.previous = state.completed, state.previous
 
     def __len__(self) -> int:
         """Return the number of candidates."""
@@ -110,36 +117,6 @@ class View:
     def at(self, ids: IntArray) -> "View":
         """Return the same frame seen at other nodes, such as children of the roots."""
         return View(self.state, ids, self.camera.to_camera(self.state.centers_m.take(ids, axis=1)))
-
-    @property
-    def scene(self) -> Scene:
-        """The scene of the replay."""
-        return self.state.scene
-
-    @property
-    def camera(self) -> Camera:
-        """The camera at the time of input."""
-        return self.state.camera
-
-    @property
-    def frame(self) -> int:
-        """Index of the frame, from 0."""
-        return self.state.frame
-
-    @property
-    def time_ns(self) -> int:
-        """Simulated time at which the input was sampled."""
-        return self.state.time_ns
-
-    @property
-    def completed(self) -> Completed:
-        """Times of the frames completed so far."""
-        return self.state.completed
-
-    @property
-    def previous(self) -> Selection | None:
-        """The policy's own last selection."""
-        return self.state.previous
 
     @per_node
     def type_index(self) -> IntArray:

@@ -11,7 +11,7 @@ from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
-from ..policies.protocol import Oracle, Policy, Truth
+from ..policies.protocol import Clairvoyant, Policy, Truth
 from ..policies.selection import Selection, find_violation
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
@@ -40,7 +40,8 @@ class PolicyFrames:
         machine: Machine | None,
     ) -> None:
         self._policy, self._name = policy, name
-        self._oracle = policy if isinstance(policy, Oracle) and policy.capabilities.future else None
+        future = policy.capabilities.future
+        self._oracle = policy if future and isinstance(policy, Clairvoyant) else None
         self._scene = scene.with_costs(hardware.gpu)
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
@@ -65,7 +66,7 @@ class PolicyFrames:
             self._machine,
             self._memory,
             policy=name,
-            future=policy.capabilities.future,
+            future=future,
         )
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None

@@ -12,6 +12,7 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, Truth
 from ..selection import Selection
 from ..shared.choices import LevelChoices, Offer, importance
+from ..shared.ranges import Count, check_parameters
 from ..solvers.knapsack import affordable, hull_increments, take_increments
 from ..view import View
 
@@ -37,15 +38,14 @@ class Oracle:
     Reference: Sinha and Zoltners, Operations Research 27, 1979; HiGHS through scipy's ``milp``.
     """
 
-    exact_up_to: int = 40  # ours: HiGHS takes about 10 ms there, and seconds at 3,000 objects
+    exact_up_to: Count = 40  # ours: HiGHS takes about 10 ms there, and seconds at 3,000 objects
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, future=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Forget the last replay."""
-        if self.exact_up_to < 0:
-            raise InputError(f"oracle: expected exact_up_to >= 0, got {self.exact_up_to}")
+        check_parameters(self, "oracle")
         self._scene, self._budget_ms = scene, budget_ms
         self._truth = self._choices = None
 

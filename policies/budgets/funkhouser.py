@@ -6,11 +6,11 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import Offer, make_choices, require_costs
+from ..shared.ranges import BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
 from ..shared.v_time import VTime
 from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
 from ..solvers.value_greedy import greedy_by_value, improve_incrementally
@@ -51,12 +51,12 @@ class Funkhouser:
     mode: Literal["greedy", "incremental", "hull"] = "hull"  # ours: the one with a bound
     misfit: Literal["stop", "skip"] = "stop"  # as PlayCanvas: skipping flips levels
     skip: bool = False  # the paper may leave objects out; a missing object is the worst pop
-    exponent: float = 1.0  # flat shading; 2 (Gouraud) puts every level above 0.9999
-    focus: float = 0.5  # ours
-    motion: float = 0.5  # ours
-    hysteresis: float = 1e-4  # ours: of the order of accuracy steps between neighbouring levels
-    max_steps: int = 64  # ours: exchanges of the incremental form a frame
-    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
+    exponent: Positive = 1.0  # flat shading; 2 (Gouraud) puts every level above 0.9999
+    focus: BelowOne = 0.5  # ours
+    motion: NotNegative = 0.5  # ours
+    hysteresis: NotNegative = 1e-4  # ours: of the order of accuracy steps between levels
+    max_steps: Count = 64  # ours: exchanges of the incremental form a frame
+    adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
@@ -72,23 +72,10 @@ class Funkhouser:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the scene's levels."""
-        if self.mode not in ("greedy", "incremental", "hull") or self.misfit not in (
-            "stop",
-            "skip",
-        ):
-            raise InputError(
-                "funkhouser: expected mode greedy, incremental or hull and misfit stop or skip, "
-                f"got {self.mode} and {self.misfit}"
-            )
-        weights = (self.motion, self.hysteresis, self.max_steps)
-        if self.exponent <= 0 or min(weights) < 0 or not 0 <= self.focus < 1:
-            raise InputError(
-                "funkhouser: expected exponent > 0, focus in [0, 1), motion, hysteresis and "
-                "max_steps >= 0"
-            )
+        check_parameters(self, "funkhouser")
         self._choices = make_choices(scene, require_costs(scene, "funkhouser"), self.exponent)
         self._budget_ms = budget_ms
-        self._v_time = VTime(self.adapt, "funkhouser")
+        self._v_time = VTime(self.adapt)
         self._column = np.full(len(scene), -1, dtype=np.int32)
 
     def select(self, view: View) -> Selection:

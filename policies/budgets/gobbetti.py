@@ -1,20 +1,19 @@
 """``gobbetti``: resolutions that minimise degradation within the predicted time."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
 from ..shared.v_time import VTime
-from ..solvers.active_set import allocate_by_active_set
-from ..solvers.allocation import Allocation, allocate
+from ..solvers.active_set import search_active_set
+from ..solvers.allocation import Allocation, solve
 from ..view import View
 
 
@@ -64,13 +63,13 @@ class Gobbetti:
     a clock, which would make runs differ; a count of passes does not.
     """
 
-    m: int = 1  # of the two common exponents, the one of mean projected triangle size
+    m: Annotated[int, Interval("[1, 2]")] = 1  # the exponent of mean projected triangle size
     weight: Literal["area-per-triangle", "area"] = "area-per-triangle"  # what the paper asks of w
     velocity: bool = True  # as in the paper
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
-    max_iterations: int = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's time limit is lost
-    adapt: float = 0.0  # rate at which predictions follow measured times (v_time); 0.2 with noise
+    max_iterations: PositiveInt = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's limit is lost
+    adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -87,22 +86,15 @@ class Gobbetti:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if self.m not in {1, 2} or self.max_iterations < 1:
-            raise InputError(
-                "gobbetti: expected m 1 or 2 and max_iterations >= 1, got "
-                f"{self.m} and {self.max_iterations}"
-            )
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti")
+        check_parameters(self, "gobbetti")
+        self._costs = ResolutionCosts(scene, "gobbetti")
         self._budget_ms = budget_ms
-        self._v_time = VTime(self.adapt, "gobbetti")
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
+        self._v_time = VTime(self.adapt)
         self._last = np.zeros(len(scene))
 
     def select(self, view: View) -> Selection:
         """Return the resolutions of least degradation that fit the budget."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         budget_ms = self._v_time.budget_ms(view, self._budget_ms)
         problem = costs.problem(view, budget_ms)
         result = self._solve(problem, self.degradation(view), self._last[view.ids])
@@ -117,7 +109,7 @@ class Gobbetti:
         """Return the degradation of each candidate in full detail, ``s · w``, (m,)."""
         factor = view.area_px * view.scene.importance[view.ids]
         if self.weight == "area-per-triangle":
-            factor /= self._primitives[view.type_index]
+            factor /= self._costs.primitives(view)
         if self.velocity:
             factor *= velocity_weight(view.speed_deg_s)
         if self.eccentricity:
@@ -127,19 +119,8 @@ class Gobbetti:
     def _solve(
         self, problem: ResolutionProblem, degradation: FloatArray, start: FloatArray
     ) -> Allocation:
-        weight, power = problem.pieces(self.m * degradation), self.m + 1.0
-        low, high = problem.low, problem.high
+        shares = problem.shares(self.m * degradation, self.m + 1.0)
         if self.engine == "newton":
-            return allocate(
-                weight, problem.cost, problem.budget_ms, power=power, low=low, high=high
-            )
-        return allocate_by_active_set(
-            weight,
-            problem.cost,
-            problem.budget_ms,
-            power=power,
-            low=low,
-            high=high,
-            max_iterations=self.max_iterations,
-            start=problem.pieces(start),
-        )
+            return solve(shares)
+        begin = problem.pieces(start)
+        return search_active_set(shares, max_iterations=self.max_iterations, start=begin)

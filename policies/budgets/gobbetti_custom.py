@@ -9,10 +9,10 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import PositiveInt, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..solvers.convex_program import ConvexProgram, Point
 from ..view import View
@@ -63,7 +63,7 @@ class GobbettiCustom:
 
     degradation: str = "importance * area / triangles / r"  # as gobbetti with m = 1
     cost: str | None = None  # None: the scene's cost model
-    max_iterations: int = 200  # ours: ten times what smooth formulas take
+    max_iterations: PositiveInt = 200  # ours: ten times what smooth formulas take
     failures: int = field(init=False, repr=False, compare=False, default=0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
@@ -75,15 +75,10 @@ class GobbettiCustom:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""
-        if self.max_iterations < 1:
-            raise InputError(
-                f"gobbetti-custom: expected max_iterations >= 1, got {self.max_iterations}"
-            )
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "gobbetti-custom")
+        check_parameters(self, "gobbetti-custom")
+        self._costs = ResolutionCosts(scene, "gobbetti-custom")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
-        self._program: ConvexProgram | None = self._build(_FEWEST_PLACES)
+        self._program = self._build(_FEWEST_PLACES)
         self._last = np.zeros((2, len(scene)))
         self._budget_multiplier = 0.0
         self.failures = 0
@@ -91,7 +86,6 @@ class GobbettiCustom:
     def select(self, view: View) -> Selection:
         """Return the resolutions that the formulas make optimal."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         if not len(view):
             return Selection(view.ids, np.zeros(0), predicted_ms=costs.fixed_ms(view))
         frame = self._frame(view)
@@ -114,15 +108,13 @@ class GobbettiCustom:
         Raises `InputError` if a formula has no finite value at the lowest resolutions.
         """
         costs, program = self._costs, self._program
-        assert costs is not None, "reset comes first"
-        assert program is not None, "reset comes first"
         if program.places < len(view):
             self._program = program = self._build(1 << (len(view) - 1).bit_length())
         fixed_ms, _, slope_ms, low = costs.stretches(view)
         values = np.column_stack(
             (
                 view.area_px,
-                self._primitives[view.type_index],
+                self._costs.primitives(view),
                 view.scene.importance[view.ids],
                 view.speed_deg_s,
                 view.eccentricity_deg,
@@ -170,7 +162,6 @@ class GobbettiCustom:
         return resolution, selection
 
     def _attempts(self, frame: "_Frame", point: Point) -> Iterator[FloatArray]:
-        assert self._costs is not None, "reset comes first"
         if point.failure is None:
             yield np.minimum(point.resolution * (1.0 + _INTERIOR), 1.0)
         yield np.clip(self._last[0, frame.view.ids], frame.low, 1.0)
@@ -179,7 +170,6 @@ class GobbettiCustom:
 
     def _selection(self, frame: "_Frame", resolution: FloatArray, work: Work) -> Selection:
         costs, view = self._costs, frame.view
-        assert costs is not None, "reset comes first"
         detail = costs.detail(view, resolution)
         if self.cost is None:
             predicted_ms = costs.predict_ms(view, detail)

@@ -7,13 +7,21 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.level_pools import SharedLevels
+from ..shared.ranges import (
+    AtLeastOne,
+    NotNegative,
+    Positive,
+    PositiveInt,
+    Share,
+    UpToOne,
+    check_parameters,
+)
 from ..shared.reports import Reports
 from ..thresholds.static_distance import distance_range
 from ..view import View
@@ -59,15 +67,15 @@ class LodManager:
     models in real-time applications", sections 4.1 to 4.3.
     """
 
-    slots: int = 32  # ours: N_T is left to the user; steps of 3 %
-    spacing: float = 1.0  # linear; above 1 slots are finer near the eye, as in section 4.3
+    slots: PositiveInt = 32  # ours: N_T is left to the user; steps of 3 %
+    spacing: Positive = 1.0  # linear; above 1 slots are finer near the eye, as in section 4.3
     sharing: bool = True  # the paper; off is its baseline
-    active: int | None = None  # N_a, left to the user; None: no list, every object in the frustum
-    outside: float = 0.25  # ours: the paper's penalty is not printed
-    gain: float = 1.02  # ours: n; the paper draws its curves with 2, too strong for every frame
+    active: PositiveInt | None = None  # N_a, left to the user; None: no list, all in the frustum
+    outside: UpToOne = 0.25  # ours: the paper's penalty is not printed
+    gain: AtLeastOne = 1.02  # ours: n; the paper's curves have 2, too strong for every frame
     limit: float = 4.0  # ours: e stays within 1 / limit and limit
-    target: float = 0.9  # as feedback
-    dead_band: float = 0.05  # as feedback
+    target: Share = 0.9  # as feedback
+    dead_band: NotNegative = 0.05  # as feedback
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
 
@@ -75,23 +83,8 @@ class LodManager:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start with empty slots and an exponent of 1."""
-        near_m, far_m = distance_range(scene, self.near_m, self.far_m)
-        if not (0.0 <= near_m < far_m and self.slots >= 1 and self.spacing > 0):
-            raise InputError(
-                "lodmanager: expected 0 <= near_m < far_m, slots >= 1 and spacing > 0, got "
-                f"{near_m:g}, {far_m:g}, {self.slots} and {self.spacing:g}"
-            )
-        if not (0 <= self.outside <= 1 and (self.active is None or self.active >= 1)):
-            raise InputError(
-                "lodmanager: expected outside in [0, 1] and active >= 1 or none, got "
-                f"{self.outside:g} and {self.active}"
-            )
-        if not (1 <= self.gain <= self.limit and 0 < self.target <= 1 and self.dead_band >= 0):
-            raise InputError(
-                "lodmanager: expected 1 <= gain <= limit, target in (0, 1] and dead_band >= 0, got "
-                f"{self.gain:g}, {self.limit:g}, {self.target:g} and {self.dead_band:g}"
-            )
-        self._range_m: tuple[float, float] = near_m, far_m
+        check_parameters(self, "lodmanager", "gain", "limit")
+        self._range_m = distance_range("lodmanager", scene, self.near_m, self.far_m)
         self._target_ms = self.target * budget_ms
         self._exponent = 1.0
         self._reports = Reports()

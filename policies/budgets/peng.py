@@ -1,18 +1,15 @@
 """``peng``: a crowd's triangles shared by projected area."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
-
-import numpy as np
+from typing import Annotated, ClassVar, Literal
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
-from ..solvers.allocation import allocate
+from ..solvers.allocation import solve
 from ..view import View
 from .wimmer import clamped_shares
 
@@ -38,29 +35,22 @@ class Peng:
     threshold is that of the report they cite, which prints no value.
     """
 
-    alpha: float = 3.0  # the paper's, chosen to act as Funkhouser and Séquin's benefit
+    alpha: Annotated[float, Interval("[0.1, 10]")] = 3.0  # the paper's, near Funkhouser's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
-    threshold_px: float = 0.0  # off
+    threshold_px: NotNegative = 0.0  # off
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if not (0.1 <= self.alpha <= 10.0 and self.threshold_px >= 0.0):
-            raise InputError(
-                "peng: expected alpha in [0.1, 10] and threshold_px >= 0, got "
-                f"{self.alpha:g} and {self.threshold_px:g}"
-            )
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "peng")
+        check_parameters(self, "peng")
+        self._costs = ResolutionCosts(scene, "peng")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
 
     def select(self, view: View) -> Selection:
         """Return the shares of every candidate that is large enough."""
         costs, candidates = self._costs, len(view)
-        assert costs is not None, "reset comes first"
         large = view.area_px >= self.threshold_px
         seen = view if large.all() else view.at(view.ids[large])
         problem = costs.problem(seen, self._budget_ms)
@@ -71,16 +61,9 @@ class Peng:
     def _share(self, problem: ResolutionProblem, view: View) -> tuple[FloatArray, Work]:
         # The weight at which (weight / cost)^(1/α) is A^(1/α) over full primitives.
         weight = problem.cost[: len(view)] * view.area_px
-        weight *= self._primitives[view.type_index] ** -self.alpha
+        weight *= self._costs.primitives(view) ** -self.alpha
         if self.mode == "clipped":
             return clamped_shares(problem, weight, self.alpha)
-        result = allocate(
-            problem.pieces(weight),
-            problem.cost,
-            problem.budget_ms,
-            power=self.alpha,
-            low=problem.low,
-            high=problem.high,
-        )
+        result = solve(problem.shares(weight, self.alpha))
         work = Work(len(view), result.comparisons, result.iterations)
         return problem.resolution(result.x), work

@@ -2,18 +2,17 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
-from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.ranges import Interval, check_parameters
 from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
-from ..solvers.allocation import allocate
+from ..solvers.allocation import allocate, solve
 from ..view import View
 
 
@@ -37,14 +36,7 @@ def clamped_shares(
         resolution = np.clip(closed.x, low, problem.high[:count])
         if float(cost @ resolution) <= budget_ms:
             return resolution, Work(count, 2 * count, 1)
-    bounded = allocate(
-        problem.pieces(weight),
-        problem.cost,
-        problem.budget_ms,
-        power=power,
-        low=problem.low,
-        high=problem.high,
-    )
+    bounded = solve(problem.shares(weight, power))
     work = Work(count, 2 * count + bounded.comparisons, 1 + bounded.iterations)
     return problem.resolution(bounded.x), work
 
@@ -71,26 +63,22 @@ class Wimmer:
     budget as the only constraint.
     """
 
-    m: int = 1  # as in the benefit that the simulator scores
+    m: Annotated[int, Interval("[1, 2]")] = 1  # as in the benefit that the simulator scores
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
-        if self.m not in {1, 2}:
-            raise InputError(f"wimmer: expected m 1 or 2, got {self.m}")
-        self._costs: ResolutionCosts | None = ResolutionCosts(scene, "wimmer")
+        check_parameters(self, "wimmer")
+        self._costs = ResolutionCosts(scene, "wimmer")
         self._budget_ms = budget_ms
-        levels = scene.types.levels
-        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
 
     def select(self, view: View) -> Selection:
         """Return the clamped shares of every candidate."""
         costs = self._costs
-        assert costs is not None, "reset comes first"
         problem = costs.problem(view, self._budget_ms)
         weight = view.area_px * view.scene.importance[view.ids]
-        weight *= self._primitives[view.type_index] ** -float(self.m)
+        weight *= self._costs.primitives(view) ** -float(self.m)
         resolution, work = clamped_shares(problem, weight, self.m + 1.0)
         return costs.selection(view, resolution, self._budget_ms, work)

@@ -5,30 +5,21 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import require_costs
+from ..shared.ranges import Count, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..shared.zach_groups import Groups, Plan
-from ..shared.zach_patches import Offer, Patches
+from ..shared.zach_patches import Patches, Refinements
 from ..solvers.mixed_selection import raise_in_turn
 from ..solvers.smooth_ascent import Ascent, GradientAscent, NewtonAscent
 from ..view import View
 
 _KEPT_BACK = 1e-9
 """Share of the budget that is left to rounding, so that a prediction never exceeds it."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Halves:
-    """What a scene's nodes cost, and which of them are discrete and which smooth."""
-
-    costs: ResolutionCosts
-    patches: Patches
-    groups: Groups
 
 
 @dataclass
@@ -65,56 +56,50 @@ class Zach:
     """
 
     splitting: bool = True  # the paper's enhanced method
-    epsilon: float = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
-    barrier: float = 1e-3  # ours; "a small constant" in the paper
-    cull_px: float = 2.0  # ours; the paper prints no value
+    epsilon: NotNegative = 0.05  # ours; of the groups' greatest benefit; the paper prints no value
+    barrier: NotNegative = 1e-3  # ours; "a small constant" in the paper
+    cull_px: NotNegative = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
-    max_steps: int = 256  # ours; some ten, but with "gradient" one for each variable that fills up
+    max_steps: Count = 256  # ours; some ten; with "gradient" one for each variable that fills up
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
     claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, and tell smooth leaves from discrete nodes."""
-        if self.epsilon < 0.0 or self.barrier < 0.0 or self.cull_px < 0.0 or self.max_steps < 0:
-            raise InputError(
-                "zach: expected epsilon, barrier, cull_px and max_steps >= 0, got "
-                f"{self.epsilon}, {self.barrier}, {self.cull_px} and {self.max_steps}"
-            )
-        costs = ResolutionCosts(scene, "zach")
+        check_parameters(self, "zach")
+        self._costs = costs = ResolutionCosts(scene, "zach")
         self._budget_ms = budget_ms
         tree = Tree(scene)
         solid = (tree.primitives > 0.0) | tree.leaf
         free = tree.first_in(solid, np.arange(len(scene))) < 0
         smooth = scene.continuous & tree.leaf & free
-        patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
-        self._halves: _Halves | None = _Halves(costs, patches, Groups(scene, tree, costs, smooth))
+        self._patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
+        self._groups = Groups(scene, tree, costs, smooth)
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""
-        halves = self._halves
-        assert halves is not None, "reset comes first"
-        offer = halves.patches.offer(view)
-        inside, seen = halves.groups.seen(view)
-        everything = view.at(np.concatenate((offer.view.ids, seen.ids)))
-        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - offer.base_ms
-        left_ms -= halves.costs.fixed_ms(everything)
+        discrete = self._patches.refinements(view)
+        inside, seen = self._groups.seen(view)
+        everything = view.at(np.concatenate((discrete.view.ids, seen.ids)))
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - discrete.base_ms
+        left_ms -= self._costs.fixed_ms(everything)
         epsilon = self.epsilon if self.splitting else None
-        plan = halves.groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
+        plan = self._groups.plan(inside, seen, left_ms, self.cull_px, epsilon)
         if plan is None:
-            ids = seen.ids[~halves.groups.optional(seen)]
-            resolution = halves.costs.lowest(view.at(ids))
+            ids = seen.ids[~self._groups.optional(seen)]
+            resolution = self._costs.lowest(view.at(ids))
             work = Work(len(everything))
         else:
             smooth = self._ascent(plan)
             left_ms -= plan.setup_ms + float(plan.low.sum())
-            _, steps = raise_in_turn(offer.forest, smooth, left_ms, self.max_steps)
+            _, steps = raise_in_turn(discrete.forest, smooth, left_ms, self.max_steps)
             ids = plan.ids
-            resolution = np.maximum(plan.resolution(smooth.x), halves.costs.lowest(view.at(ids)))
-            work = _work(offer, plan, smooth, steps)
-        patch_ids, level = halves.patches.front(offer)
+            resolution = np.maximum(plan.resolution(smooth.x), self._costs.lowest(view.at(ids)))
+            work = _work(discrete, plan, smooth, steps)
+        patch_ids, level = self._patches.front(discrete)
         ids, detail = np.concatenate((patch_ids, ids)), np.concatenate((level, resolution))
-        predicted_ms = halves.costs.predict_ms(view.at(ids), detail)
+        predicted_ms = self._costs.predict_ms(view.at(ids), detail)
         return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
 
     def _ascent(self, plan: Plan) -> Ascent:
@@ -124,9 +109,9 @@ class Zach:
         return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
 
 
-def _work(offer: Offer, plan: Plan, smooth: Ascent, steps: int) -> Work:
+def _work(discrete: Refinements, plan: Plan, smooth: Ascent, steps: int) -> Work:
     """Return what was done: two comparisons a variable and pass, and the sorting of increments."""
-    increments = offer.forest.count
+    increments = discrete.forest.count
     comparisons = plan.comparisons + increments * increments.bit_length()
     comparisons += 2 * smooth.passes * len(plan.weight)
-    return Work(len(offer.view) + plan.visited, comparisons, steps + smooth.passes)
+    return Work(len(discrete.view) + plan.visited, comparisons, steps + smooth.passes)

@@ -1,17 +1,13 @@
 """``feedback``: screen thresholds steered by the times of completed frames."""
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.reports import Reports
+from ..shared.ranges import AtLeastOne, NotNegative, Share, check_parameters
+from ..shared.reports import Reports, steer
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
 
@@ -37,12 +33,12 @@ class Feedback:
     ``2 cos(kπ / (2k + 1))``.
     """
 
-    target: float = 0.9  # Unreal's headroom of 10 %
-    gain: float = 0.5  # Unreal's square root
-    dead_band: float = 0.05  # ours
-    rate_limit: float = 1.1  # ours: at most 10 % a frame
-    min_bias: float = 0.05  # ours
-    max_bias: float = 64.0  # ours: enough for full detail of all that is in view
+    target: Share = 0.9  # Unreal's headroom of 10 %
+    gain: NotNegative = 0.5  # Unreal's square root
+    dead_band: NotNegative = 0.05  # ours
+    rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
+    min_bias: Share = 0.05  # ours
+    max_bias: AtLeastOne = 64.0  # ours: enough for full detail of all that is in view
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.01  # as static-screen
@@ -51,27 +47,16 @@ class Feedback:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from a bias of 1."""
-        good = 0 < self.target <= 1 and self.gain >= 0 and self.dead_band >= 0
-        if not good or self.rate_limit < 1 or not 0 < self.min_bias <= 1 <= self.max_bias:
-            raise InputError(
-                "feedback: expected target in (0, 1], gain >= 0, dead_band >= 0, rate_limit >= 1 "
-                "and 0 < min_bias <= 1 <= max_bias"
-            )
+        check_parameters(self, "feedback")
         self._levels = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._levels.reset(scene, budget_ms)
-        self._budget_ms = budget_ms
+        self._target_ms = self.target * budget_ms
         self._bias = 1.0
         self._reports = Reports()
 
     def select(self, view: View) -> Selection:
         """Steer the bias, then return a level for every candidate."""
-        self._steer(view.completed)
+        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        bias = steer(self._bias, ratio, -self.gain, self.dead_band, self.rate_limit)
+        self._bias = min(max(bias, self.min_bias), self.max_bias)
         return self._levels.select_biased(view, self._bias)
-
-    def _steer(self, completed: Completed) -> None:
-        target_ms = self.target * self._budget_ms
-        error = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
-        if math.isnan(error) or abs(error - 1.0) <= self.dead_band:
-            return
-        step = np.clip(error**-self.gain, 1.0 / self.rate_limit, self.rate_limit)
-        self._bias = float(np.clip(self._bias * step, self.min_bias, self.max_bias))

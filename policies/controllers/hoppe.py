@@ -4,12 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ...base.errors import InputError
 from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.error_ladder import ErrorLadder
+from ..shared.ranges import NotNegative, Positive, Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
 
@@ -43,33 +43,23 @@ class Hoppe:
     count of the last frame; the exponent and the regulation of times are ours.
     """
 
-    triangles: float | None = None  # m; None: regulate the time instead
-    gain: float | None = None  # None: 1 (Hoppe's rule) on triangles, by the delay on times
+    triangles: Positive | None = None  # m; None: regulate the time instead
+    gain: NotNegative | None = None  # None: 1 (Hoppe's rule) on triangles, by the delay on times
     start_px: float = 1.0  # tau of the first frame; ours
-    min_px: float = 0.1  # ours
+    min_px: Positive = 0.1  # ours
     max_px: float = 64.0  # ours
-    target: float = 0.9  # as feedback
+    target: Share = 0.9  # as feedback
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance of the first frame."""
-        counted = self.triangles is None or self.triangles > 0
-        if not (counted and (self.gain is None or self.gain >= 0)):
-            raise InputError(
-                "hoppe: expected triangles > 0 and gain >= 0, or none, got "
-                f"{self.triangles} and {self.gain}"
-            )
-        if not (0 < self.min_px <= self.start_px <= self.max_px and 0 < self.target <= 1):
-            raise InputError(
-                "hoppe: expected 0 < min_px <= start_px <= max_px and target in (0, 1], got "
-                f"{self.min_px:g}, {self.start_px:g}, {self.max_px:g} and {self.target:g}"
-            )
+        check_parameters(self, "hoppe", "min_px", "start_px", "max_px")
         self._target_ms = self.target * budget_ms
         self._tolerance_px = self.start_px
         self._drawn = math.nan
         self._reports = Reports()
-        self._ladder: ErrorLadder | None = ErrorLadder(scene)
+        self._ladder = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return a level for every candidate."""
@@ -78,7 +68,6 @@ class Hoppe:
             log_px = math.log(self._tolerance_px) + gain * math.log(ratio)
             low, high = math.log(self.min_px), math.log(self.max_px)
             self._tolerance_px = math.exp(min(max(log_px, low), high))
-        assert self._ladder is not None, "reset comes before select"
         selection = self._ladder.select(view, self._tolerance_px, 0.0)
         if self.triangles is not None:
             levels = view.scene.types.levels

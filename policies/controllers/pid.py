@@ -2,12 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection
+from ..shared.ranges import AtLeastOne, Interval, NotNegative, Positive, check_parameters
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -36,15 +36,15 @@ class Pid:
     rate plus 5 Hz, and whose angle is the size below which things are left out.
     """
 
-    kp: float = 1.0  # hifi's
-    ki: float = 0.0  # hifi's
-    kd: float = 0.0  # hifi's
-    kv: float = 1.0  # hifi's
-    tau_s: float = 0.08  # hifi's, seconds of the running mean
-    smooth: float = 10.0  # hifi's
-    offset_hz: float = 5.0  # hifi's, above the rate of the budget
-    min_deg: float = 0.001  # hifi's
-    max_deg: float = 90.0  # hifi's
+    kp: NotNegative = 1.0  # hifi's
+    ki: NotNegative = 0.0  # hifi's
+    kd: NotNegative = 0.0  # hifi's
+    kv: NotNegative = 1.0  # hifi's
+    tau_s: Positive = 0.08  # hifi's, seconds of the running mean
+    smooth: AtLeastOne = 10.0  # hifi's
+    offset_hz: NotNegative = 5.0  # hifi's, above the rate of the budget
+    min_deg: Positive = 0.001  # hifi's
+    max_deg: Annotated[float, Interval("(0, 180)")] = 90.0  # hifi's
     start_deg: float = 10.0  # ours
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # hifi has none
@@ -53,18 +53,7 @@ class Pid:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the first angle, without a past."""
-        gains = (self.kp, self.ki, self.kd, self.kv, self.offset_hz)
-        if not all(gain >= 0 for gain in gains):
-            raise InputError("pid: expected kp, ki, kd, kv and offset_hz >= 0")
-        if not (self.tau_s > 0 and self.smooth >= 1):
-            raise InputError(
-                f"pid: expected tau_s > 0 and smooth >= 1, got {self.tau_s:g} and {self.smooth:g}"
-            )
-        if not 0 < self.min_deg <= self.start_deg <= self.max_deg < 180:
-            raise InputError(
-                "pid: expected 0 < min_deg <= start_deg <= max_deg < 180, got "
-                f"{self.min_deg:g}, {self.start_deg:g} and {self.max_deg:g}"
-            )
+        check_parameters(self, "pid", "min_deg", "start_deg", "max_deg")
         self._static = StaticScreen(1.0, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)
         self._target_hz = 1e3 / budget_ms + self.offset_hz

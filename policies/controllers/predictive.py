@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ...base.errors import InputError
 from ...models.scene.camera import Camera
@@ -10,6 +10,7 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, claims_of
 from ..registry import parse_policy
 from ..selection import Selection
+from ..shared.ranges import Interval, Positive, check_parameters
 from ..view import View
 
 Quaternion = tuple[float, float, float, float]
@@ -73,9 +74,9 @@ class Predictive:
     """
 
     policy: str = "funkhouser"  # ours: the policy that a late pose hurts most is a predictive one
-    horizon_ms: float | None = None  # None: from the frames under way
-    max_speed_m_s: float = 50.0  # ours: faster is a cut
-    max_turn_deg_s: float = 720.0  # ours: faster is a cut
+    horizon_ms: Annotated[float, Interval("[0, inf)")] | None = None  # None: frames under way
+    max_speed_m_s: Positive = 50.0  # ours: faster is a cut
+    max_turn_deg_s: Positive = 720.0  # ours: faster is a cut
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
@@ -94,13 +95,7 @@ class Predictive:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and reset the policy."""
-        if self.horizon_ms is not None and not 0.0 <= self.horizon_ms < math.inf:
-            raise InputError(f"predictive: expected horizon_ms >= 0, got {self.horizon_ms:g}")
-        if not (self.max_speed_m_s > 0 and self.max_turn_deg_s > 0):
-            raise InputError(
-                "predictive: expected max_speed_m_s > 0 and max_turn_deg_s > 0, got "
-                f"{self.max_speed_m_s:g} and {self.max_turn_deg_s:g}"
-            )
+        check_parameters(self, "predictive")
         self._inner.reset(scene, budget_ms)
         self._step_s = math.nan
         self._before: Camera | None = None

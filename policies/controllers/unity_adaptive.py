@@ -7,10 +7,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection
+from ..shared.ranges import Count, NotNegative, PositiveInt, Share, check_parameters
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -48,11 +48,11 @@ class UnityAdaptive:
     for Unity's average frame time.
     """
 
-    min_scale: float = 0.4  # Unity's
-    max_level: int = 3  # Unity's: biases 1, 0.8, 0.6, 0.4
-    samples: int = 120  # Unity's
-    delay_s: float = 4.0  # Unity's performanceActionDelay
-    retry_s: float = 10.0  # Unity's thermalActionDelay, which also delays the first action
+    min_scale: Share = 0.4  # Unity's
+    max_level: Count = 3  # Unity's: biases 1, 0.8, 0.6, 0.4
+    samples: PositiveInt = 120  # Unity's
+    delay_s: NotNegative = 4.0  # Unity's performanceActionDelay
+    retry_s: NotNegative = 10.0  # Unity's thermalActionDelay, which also delays the first action
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # Unity's level-of-detail groups have none
@@ -61,16 +61,7 @@ class UnityAdaptive:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the top of the ladder."""
-        if not (0 < self.min_scale <= 1 and self.max_level >= 0 and self.samples >= 1):
-            raise InputError(
-                "unity-adaptive: expected min_scale in (0, 1], max_level >= 0 and samples >= 1, "
-                f"got {self.min_scale:g}, {self.max_level} and {self.samples}"
-            )
-        if not (self.delay_s >= 0 and self.retry_s >= 0):
-            raise InputError(
-                "unity-adaptive: expected delay_s >= 0 and retry_s >= 0, got "
-                f"{self.delay_s:g} and {self.retry_s:g}"
-            )
+        check_parameters(self, "unity-adaptive")
         self._static = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)
         self._budget_ms = budget_ms

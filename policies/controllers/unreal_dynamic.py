@@ -5,10 +5,10 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection
+from ..shared.ranges import BelowOne, NotNegative, PositiveInt, Share, check_parameters
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -44,15 +44,15 @@ class UnrealDynamic:
     """
 
     apply: Literal["bias", "render-scale"] = "bias"  # ours; Unreal scales pixels
-    headroom: float = 0.1  # Unreal's r.DynamicRes.TargetedGPUHeadRoomPercentage, 10 %
-    min_fraction: float = 0.5  # Unreal's MinScreenPercentage
-    max_fraction: float = 1.0  # Unreal's MaxScreenPercentage
-    history: int = 16  # Unreal's HistorySize
-    weight: float = 0.9  # Unreal's FrameWeightExponent
-    period: int = 8  # Unreal's MinResolutionChangePeriod, frames
-    increase: float = 0.9  # Unreal's IncreaseAmortizationBlendFactor
-    threshold: float = 0.02  # Unreal's ChangePercentageThreshold
-    panic: int = 2  # Unreal's MaxConsecutiveOverbudgetGPUFrameCount
+    headroom: BelowOne = 0.1  # Unreal's r.DynamicRes.TargetedGPUHeadRoomPercentage, 10 %
+    min_fraction: Share = 0.5  # Unreal's MinScreenPercentage
+    max_fraction: Share = 1.0  # Unreal's MaxScreenPercentage
+    history: PositiveInt = 16  # Unreal's HistorySize
+    weight: Share = 0.9  # Unreal's FrameWeightExponent
+    period: PositiveInt = 8  # Unreal's MinResolutionChangePeriod, frames
+    increase: Share = 0.9  # Unreal's IncreaseAmortizationBlendFactor
+    threshold: NotNegative = 0.02  # Unreal's ChangePercentageThreshold
+    panic: PositiveInt = 2  # Unreal's MaxConsecutiveOverbudgetGPUFrameCount
     first: float = 0.25  # as static-screen
     ratio: float = 0.5  # as static-screen
     hysteresis: float = 0.0  # as Unity's; the controller has its own threshold
@@ -61,25 +61,7 @@ class UnrealDynamic:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the largest fraction."""
-        if self.apply not in ("bias", "render-scale") or not 0 <= self.headroom < 1:
-            raise InputError(
-                "unreal-dynamic: expected apply bias or render-scale and headroom in [0, 1), got "
-                f"{self.apply} and {self.headroom:g}"
-            )
-        if not 0 < self.min_fraction <= self.max_fraction <= 1:
-            raise InputError(
-                "unreal-dynamic: expected 0 < min_fraction <= max_fraction <= 1, got "
-                f"{self.min_fraction:g} and {self.max_fraction:g}"
-            )
-        counts = min(self.history, self.period, self.panic)
-        if counts < 1 or not (0 < self.weight <= 1 and 0 < self.increase <= 1):
-            raise InputError(
-                "unreal-dynamic: expected history, period and panic >= 1, and weight and increase "
-                f"in (0, 1], got {self.history}, {self.period}, {self.panic}, {self.weight:g} and "
-                f"{self.increase:g}"
-            )
-        if not self.threshold >= 0:
-            raise InputError(f"unreal-dynamic: expected threshold >= 0, got {self.threshold:g}")
+        check_parameters(self, "unreal-dynamic", "min_fraction", "max_fraction")
         self._static = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)
         self._budget_ms = budget_ms

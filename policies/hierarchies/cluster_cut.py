@@ -5,14 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
 from ..shared.hierarchy import Hierarchy
-from ..shared.reports import Reports
+from ..shared.ranges import AtLeastOne, Finite, NotNegative, Share, check_parameters
+from ..shared.reports import Reports, steer
 from ..view import View
 
 
@@ -38,35 +37,28 @@ class ClusterCut:
     resolution, whose rule ``sqrt(target / time)`` is taken here.
     """
 
-    tolerance_px: float = 1.0  # Nanite: pixels per edge; meshoptimizer: error of one pixel
-    max_px: float = 64.0  # ours; Nanite's floor of 30 % resolution would be 3.3 px
-    target: float = 0.9  # Unreal's headroom of 10 %
-    gain: float = 0.5  # Unreal's square root
-    dead_band: float = 0.05  # ours
-    rate_limit: float = 1.1  # ours: at most 10 % a frame
+    tolerance_px: Finite = 1.0  # Nanite: pixels per edge; meshoptimizer: error of one pixel
+    max_px: Finite = 64.0  # ours; Nanite's floor of 30 % resolution would be 3.3 px
+    target: Share = 0.9  # Unreal's headroom of 10 %
+    gain: NotNegative = 0.5  # Unreal's square root
+    dead_band: NotNegative = 0.05  # ours
+    rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
-        if not (0.0 < self.tolerance_px <= self.max_px < np.inf and 0.0 < self.target <= 1.0):
-            raise InputError(
-                "cluster-cut: expected 0 < tolerance_px <= max_px and target in (0, 1], got "
-                f"{self.tolerance_px:g}, {self.max_px:g} and {self.target:g}"
-            )
-        if self.gain < 0.0 or self.dead_band < 0.0 or self.rate_limit < 1.0:
-            raise InputError(
-                "cluster-cut: expected gain >= 0, dead_band >= 0 and rate_limit >= 1, got "
-                f"{self.gain:g}, {self.dead_band:g} and {self.rate_limit:g}"
-            )
+        check_parameters(self, "cluster-cut", "tolerance_px", "max_px")
         self._chooser = ErrorLadder(scene) if scene.flat else Hierarchy(scene)
-        self._budget_ms = budget_ms
+        self._target_ms = self.target * budget_ms
         self._reports = Reports()
         self._steered_px = self.tolerance_px
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return levels or a front within it."""
-        self._steer(view.completed)
+        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        steered_px = steer(self._steered_px, ratio, self.gain, self.dead_band, self.rate_limit)
+        self._steered_px = min(max(steered_px, self.tolerance_px), self.max_px)
         tree = self._chooser
         if isinstance(tree, ErrorLadder):
             return tree.select(view, self._steered_px, 0.0)
@@ -75,12 +67,3 @@ class ClusterCut:
         above = tree.raise_to_children(error_px) > self._steered_px
         ids, detail = tree.front(view, tree.close(view, above))
         return Selection(ids, detail, Work(len(tree.scene), len(tree.scene)))
-
-    def _steer(self, completed: Completed) -> None:
-        target_ms = self.target * self._budget_ms
-        ratio = self._reports.newest_ms(completed.work_ms, target_ms) / target_ms
-        if np.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
-            return
-        step = np.clip(ratio**self.gain, 1.0 / self.rate_limit, self.rate_limit)
-        steered_px = np.clip(self._steered_px * step, self.tolerance_px, self.max_px)
-        self._steered_px = float(steered_px)

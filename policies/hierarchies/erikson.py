@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.best_first import refine_best_first
 from ..shared.hierarchy import Hierarchy
+from ..shared.ranges import Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
 
@@ -35,14 +35,13 @@ class Erikson:
     2.3).
     """
 
-    target: float = 0.9  # share of the budget to aim at; Unreal's headroom
+    target: Share = 0.9  # share of the budget to aim at; Unreal's headroom
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate the hierarchy and start with no polygons to spend."""
-        if not 0.0 < self.target <= 1.0:
-            raise InputError(f"erikson: expected target in (0, 1], got {self.target:g}")
+        check_parameters(self, "erikson")
         self._hierarchy = Hierarchy(scene)
         self._budget_ms = budget_ms
         self._reports = Reports()

@@ -6,13 +6,13 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.hierarchy import Hierarchy
 from ..shared.priority_list import PriorityList
+from ..shared.ranges import AtLeastOne, Fraction, NotNegative, Share, UpToOne, check_parameters
 from ..shared.time_loops import TimeLoops
 from ..view import View
 
@@ -59,33 +59,23 @@ class HlodHysteresis:
     Reference: the HLOD thesis on out-of-core rendering with temporal hysteresis, chapters 3 and 4.
     """
 
-    textured: float = 0.127  # Table 6.1, c_textured
-    vis: float = 1.275  # Table 6.1, c_vis
-    switch: float = 1.5  # Table 6.1, c_hystSwitch
+    textured: Fraction = 0.127  # Table 6.1, c_textured
+    vis: NotNegative = 1.275  # Table 6.1, c_vis
+    switch: AtLeastOne = 1.5  # Table 6.1, c_hystSwitch
     limit: float = 4.51  # Table 6.1, c_hystLimit
     all_children: bool = False  # section 5.2: wait for children outside the frustum too
-    target: float = 1.0  # share of the budget to aim at; the thesis aims at all of it
-    time_rate: float = 0.2  # ours: how fast v_time follows a measurement; 0 switches the loop off
-    share_rate: float = 0.003  # ours: "gradually"; relative change of shareTime a frame
-    margin: float = 0.1  # ours: "substantially" below or over the target
-    lead_s: float = 0.1  # ours: "slightly adjusted" for the user's velocity
+    target: Share = 1.0  # share of the budget to aim at; the thesis aims at all of it
+    time_rate: UpToOne = 0.2  # ours: how fast v_time follows measurements; 0 switches it off
+    share_rate: UpToOne = 0.003  # ours: "gradually"; relative change of shareTime a frame
+    margin: UpToOne = 0.1  # ours: "substantially" below or over the target
+    lead_s: NotNegative = 0.1  # ours: "slightly adjusted" for the user's velocity
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
     claims: ClassVar[Claims] = Claims(hysteresis=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate costs and benefits, and set every counter to `-limit`."""
-        rates = (self.time_rate, self.share_rate, self.margin, self.lead_s, self.vis)
-        if not (1.0 <= self.switch <= self.limit and 0.0 < self.target <= 1.0):
-            raise InputError(
-                "hlod-hysteresis: expected 1 <= switch <= limit and target in (0, 1], got "
-                f"{self.switch:g}, {self.limit:g} and {self.target:g}"
-            )
-        if min(rates) < 0.0 or max(rates[:3]) > 1.0 or not 0.0 < self.textured < 1.0:
-            raise InputError(
-                "hlod-hysteresis: expected textured in (0, 1), rates and margin in [0, 1], vis and "
-                "lead_s >= 0"
-            )
+        check_parameters(self, "hlod-hysteresis", "switch", "limit")
         self._hierarchy = tree = Hierarchy(scene)
         levels = scene.types.levels
         finest = levels.start[:-1][scene.type_index]

@@ -6,13 +6,13 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.best_first import refine_best_first
 from ..shared.choices import require_costs
 from ..shared.hierarchy import Hierarchy, NodeCosts, gains
+from ..shared.ranges import Count, check_parameters
 from ..view import View
 
 
@@ -37,7 +37,7 @@ class Maciel:
     not at hand.  That coarsening is not held back is our reading of "from parent to children".
     """
 
-    threshold: int = 8  # ours: frames; the thesis says only that it is fixed
+    threshold: Count = 8  # ours: frames; the thesis says only that it is fixed
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
 
@@ -48,8 +48,7 @@ class Maciel:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate the hierarchy and start from the roots."""
-        if self.threshold < 0:
-            raise InputError(f"maciel: expected threshold >= 0, got {self.threshold}")
+        check_parameters(self, "maciel")
         self._costs = NodeCosts(scene, require_costs(scene, "maciel"))
         self._hierarchy = Hierarchy(scene)
         self._budget_ms = budget_ms

@@ -11,7 +11,7 @@ from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import require_costs
 from ..shared.hierarchy import Hierarchy, NodeCosts, gains
-from ..solvers.tree_hull import Increments, next_above, take_part, tree_increments
+from ..solvers.tree_hull import TreeIncrements, next_above, take_part, tree_increments
 from ..view import View
 
 
@@ -86,7 +86,7 @@ class MasonBlake:
         work = Work(found.visited, k * k.bit_length(), steps)
         return Selection(ids, detail, work, predicted_ms=predicted_ms)
 
-    def _exchange(self, increments: Increments, base_ms: float) -> tuple[BoolArray, int]:
+    def _exchange(self, increments: TreeIncrements, base_ms: float) -> tuple[BoolArray, int]:
         """Return which increments are taken, and in how many steps from the last frame's."""
         k = len(increments.cost)
         owner = increments.owner

@@ -7,8 +7,9 @@ for nothing, having children and no geometry, count for no depth and are never d
 the finest; a row that has fewer alternatives ends in infinite costs.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -54,24 +55,8 @@ class Offer:
         return SmoothChoice(self.cost_ms, self.benefit, self.samples, self.size, soft)
 
 
-class Choices(Protocol):
-    """The alternatives of a scene, from view to selection."""
-
-    def offer(self, view: View, weight: "Weight") -> Offer:
-        """Return the alternatives of a view's candidates."""
-        ...
-
-    def drawn(self, view: View, column: IntArray, keep: BoolArray) -> tuple[IntArray, FloatArray]:
-        """Return ids and detail of the chosen columns of the kept rows."""
-        ...
-
-
-class Weight(Protocol):
-    """Benefit of a node beyond size and accuracy, such as importance times focus."""
-
-    def __call__(self, view: View) -> FloatArray:
-        """Return a factor for each node of the view, (m,)."""
-        ...
+Weight: TypeAlias = Callable[[View], FloatArray]
+"""Benefit of each node beyond size and accuracy, such as importance times focus, (m,)."""
 
 
 def importance(view: View) -> FloatArray:
@@ -88,7 +73,7 @@ def require_costs(scene: Scene, policy: str) -> FrameCost:
     return FrameCost(scene.costs, scene.types.levels)
 
 
-def make_choices(scene: Scene, costs: FrameCost, exponent: float) -> Choices:
+def make_choices(scene: Scene, costs: FrameCost, exponent: float) -> "LevelChoices | _Fronts":
     """Return the alternatives of a scene; accuracy is ``1 - BASE_ERROR / samples^exponent``."""
     if scene.flat:
         return LevelChoices(scene, costs, exponent)

@@ -12,8 +12,6 @@ from .discretise import detail_of_level, level_of_detail
 class ErrorLadder:
     """Errors of all types' levels, padded to one width."""
 
-    __slots__ = ("_error_m", "_levels", "_scale")
-
     def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
         width = np.arange(int(levels.level_count.max()))

@@ -5,7 +5,7 @@ by them.  The set holds with a node all of its ancestors.  A node without geomet
 stands for nothing, so that it is refined wherever it is reached.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from ...models.scene.tree import Tree
 from ..view import View
 
 
-@dataclass(frozen=True, slots=True)
 class Hierarchy:
     """Derived from a scene, once a replay.
 
@@ -35,23 +34,16 @@ class Hierarchy:
         Nodes by depth, the roots first.
     """
 
-    scene: Scene
-    tree: Tree = field(init=False)
-    inner: BoolArray = field(init=False)
-    empty: BoolArray = field(init=False)
-    error_m: FloatArray = field(init=False)
-    layers: list[IntArray] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        scene, put = self.scene, object.__setattr__
+    def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
-        tree = Tree(scene)
-        put(self, "tree", tree)
-        put(self, "inner", ~tree.leaf)
-        put(self, "empty", ~tree.leaf & (tree.primitives == 0))
-        put(self, "error_m", levels.error_m[levels.start[:-1]][scene.type_index] * scene.scale)
-        depths = range(int(tree.depth.max()) + 1)
-        put(self, "layers", [np.flatnonzero(tree.depth == d) for d in depths])
+        self.scene = scene
+        self.tree = tree = Tree(scene)
+        self.inner = ~tree.leaf
+        self.empty = self.inner & (tree.primitives == 0)
+        self.error_m = levels.error_m[levels.start[:-1]][scene.type_index] * scene.scale
+        self.layers: list[IntArray] = [
+            np.flatnonzero(tree.depth == depth) for depth in range(int(tree.depth.max()) + 1)
+        ]
 
     def sum_children(self, values: FloatArray) -> FloatArray:
         """Return each node's sum of values over its children, (N,)."""
@@ -128,8 +120,6 @@ class NodeCosts:
     charged once for every frame.
     """
 
-    __slots__ = ("_alone_ms", "_costs", "_row", "_shared")
-
     def __init__(self, scene: Scene, costs: FrameCost) -> None:
         levels = scene.types.levels
         self._costs = costs
@@ -193,14 +183,8 @@ def gains(hierarchy: Hierarchy, costs: NodeCosts, view: View) -> Gains:
     benefit = np.where(tree.leaf | scene.additive, single, stands_for)
     benefit[hierarchy.empty] = 0.0
     children_ms = hierarchy.sum_children(cost_ms)
-    children_benefit = hierarchy.sum_children(benefit)
+    children = hierarchy.sum_children(benefit)
     stays = scene.additive | tree.leaf
-    return Gains(
-        cost_ms,
-        benefit,
-        children_ms,
-        children_benefit,
-        children_ms - np.where(stays, 0.0, cost_ms),
-        children_benefit - np.where(stays, 0.0, benefit),
-        len(seen.ids),
-    )
+    more_ms = children_ms - np.where(stays, 0.0, cost_ms)
+    more = children - np.where(stays, 0.0, benefit)
+    return Gains(cost_ms, benefit, children_ms, children, more_ms, more, len(seen.ids))

@@ -22,8 +22,6 @@ class SharedLevels:
         Node that holds each slot, or -1.
     """
 
-    __slots__ = ("detail", "holder", "lod", "slot", "source")
-
     def __init__(self, nodes: int, slots: int) -> None:
         self.slot = np.full(nodes, -1, dtype=np.int32)
         self.lod = np.zeros(nodes)

@@ -4,7 +4,7 @@ import time
 from typing import ClassVar, TypeVar
 
 from ...models.scene.scene import Scene
-from ..protocol import Capabilities, Oracle, Policy, Truth
+from ..protocol import Capabilities, Clairvoyant, Policy, Truth
 from ..selection import Selection
 from ..view import View
 
@@ -39,7 +39,7 @@ class Watched:
 
     def foresee(self, truth: Truth) -> None:
         """Hand on the truth, which the replay tells oracles only."""
-        assert isinstance(self._policy, Oracle)
+        assert isinstance(self._policy, Clairvoyant)
         self._policy.foresee(truth)
 
 

@@ -23,8 +23,6 @@ class PriorityList:
         Of the last update.
     """
 
-    __slots__ = ("comparisons", "ids")
-
     def __init__(self) -> None:
         self.ids: IntArray = np.empty(0, dtype=np.int32)
         self.comparisons = 0

@@ -1,4 +1,4 @@
-"""Which reported times a feedback policy may believe."""
+"""Which reported times a feedback policy may believe, and how far one moves what it steers."""
 
 import math
 
@@ -14,8 +14,6 @@ class Reports:
     the last digit may be stuck: such a report only counts where it speaks against detail, that is
     above the target, so that no fault ever raises detail.
     """
-
-    __slots__ = ("_read",)
 
     def __init__(self) -> None:
         self._read = 0
@@ -38,3 +36,13 @@ class Reports:
         """Return the newest believable time since the last call, or NaN."""
         _, new = self.new(times_ms, target_ms)
         return float(new[-1]) if len(new) else math.nan
+
+
+def steer(value: float, ratio: float, gain: float, dead_band: float, rate_limit: float) -> float:
+    """Return ``value · ratio^gain``, which changes it by at most the factor `rate_limit`.
+
+    Within the dead band around 1, relative, and for NaN the value stays as it is.
+    """
+    if math.isnan(ratio) or abs(ratio - 1.0) <= dead_band:
+        return value
+    return value * float(np.clip(ratio**gain, 1.0 / rate_limit, rate_limit))

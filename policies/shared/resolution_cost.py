@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
+from ...models.scene.benefit import level_primitives
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
+from ..solvers.allocation import Shares
 from ..view import View
 from .choices import distinct, require_costs
 from .discretise import nearest_level
@@ -55,6 +57,11 @@ class ResolutionProblem:
         """Return values of candidates for every piece, (m + e,)."""
         return np.concatenate((values, values[self.second])) if len(self.second) else values
 
+    def shares(self, weight: FloatArray, power: float) -> Shares:
+        """Return what the pieces share, for the weights of candidates, (m,)."""
+        pieces = self.pieces(weight)
+        return Shares(pieces, self.cost, self.budget_ms, power, self.low, self.high)
+
     def resolution(self, x: FloatArray) -> FloatArray:
         """Return the resolution of each candidate from x of each piece, (m,)."""
         if not len(self.second):
@@ -76,6 +83,7 @@ class ResolutionCosts:
         self._geometry_line = _line_above(levels, costs.geometry_ms)
         self._exact = self._linear_line.exact and self._geometry_line.exact
         self._exact &= costs.linear_in_detail
+        self._primitives = np.maximum(level_primitives(levels)[levels.start[:-1]], 1.0)
         self._low = np.maximum(levels.min_resolution, _LEAST_RESOLUTION)
 
     def fixed_ms(self, view: View) -> float:
@@ -144,6 +152,10 @@ class ResolutionCosts:
         row, _ = self._levels.position(view.type_index, detail)
         soft = self._levels.continuous[view.type_index]
         return np.where(soft, detail, self._levels.resolution[row])
+
+    def primitives(self, view: View) -> FloatArray:
+        """Return the primitives of every candidate in full detail, at least 1, (m,)."""
+        return self._primitives[view.type_index]
 
     def finest(self, view: View) -> FloatArray:
         """Return every candidate in full detail, (m,)."""

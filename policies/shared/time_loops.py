@@ -27,22 +27,6 @@ class TimeLoops:
     ms_per_unit, share_ms : float
     """
 
-    __slots__ = (
-        "_costs",
-        "_margin",
-        "_overhead_ms",
-        "_pending",
-        "_refused",
-        "_reports",
-        "_share_bounds_ms",
-        "_share_rate",
-        "_target_ms",
-        "_time_rate",
-        "_units",
-        "ms_per_unit",
-        "share_ms",
-    )
-
     def __init__(
         self,
         scene: Scene,

@@ -1,6 +1,5 @@
 """The HLOD thesis' v_time for any policy that predicts: measured over predicted time, followed."""
 
-from ...base.errors import InputError
 from ..view import View
 from .reports import Reports
 
@@ -13,18 +12,12 @@ class VTime:
     two and not how; the exponential average is ours.  Reports come as late as the pipeline delivers
     them, so a rate near 1 swings.
 
-    Raises `InputError` if the rate is not in [0, 1].
-
     Attributes
     ----------
     factor : float
     """
 
-    __slots__ = ("_predicted_ms", "_rate", "_reports", "factor")
-
-    def __init__(self, rate: float, name: str) -> None:
-        if not 0.0 <= rate <= 1.0:
-            raise InputError(f"{name}: expected adapt in [0, 1], got {rate:g}")
+    def __init__(self, rate: float) -> None:
         self.factor = 1.0
         self._rate = rate
         self._reports = Reports()

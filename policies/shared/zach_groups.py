@@ -1,6 +1,6 @@
 """The smooth half of a mixed scene: which groups are drawn in a frame, and what they share."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..solvers.admission import admit
-from ..solvers.variable_splitting import LeafTree, Splitting, split_variables
+from ..solvers.variable_splitting import LeafTree, split_variables
 from ..view import View
 from .resolution_cost import ResolutionCosts
 
@@ -37,7 +37,6 @@ class Plan:
         Variables: factor of the root of the cost, and bounds of the cost.
     owner : (u,) int
         Variable of each group.
-    splitting : Splitting
     visited, comparisons : int
     """
 
@@ -48,7 +47,6 @@ class Plan:
     low: FloatArray
     high: FloatArray
     owner: IntArray
-    splitting: Splitting
     visited: int
     comparisons: int
 
@@ -58,7 +56,6 @@ class Plan:
         return np.clip(share[self.owner], self.floor, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
 class Groups:
     """Continuous leaves below nothing but nodes without geometry, derived once a replay.
 
@@ -67,35 +64,25 @@ class Groups:
     sum over a node's groups bounded by the node's own, as Appendix A has it.
     """
 
-    scene: Scene
-    tree: Tree
-    costs: ResolutionCosts
-    member: BoolArray
-    _leaves: LeafTree = field(init=False)
-    _factor: FloatArray = field(init=False)
-    _floor: FloatArray = field(init=False)
-    _root: IntArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        levels, put = self.scene.types.levels, object.__setattr__
+    def __init__(self, scene: Scene, tree: Tree, costs: ResolutionCosts, member: BoolArray) -> None:
+        self._scene, self._costs = scene, costs
+        levels = scene.types.levels
         finest = levels.counts[levels.start[:-1]]
         trees = np.maximum(finest[:, _DRAW_CALLS], 1.0)
         primitives = level_primitives(levels)[levels.start[:-1]]
         splats = finest[:, _SPLATS]
         # A type without splats has no floor of its own and may not be left out.
         floor = np.divide(trees, splats, out=np.zeros(len(splats)), where=splats > 0.0)
-        leaves = LeafTree(self.scene, self.tree, self.member)
-        put(self, "_leaves", leaves)
-        put(self, "_factor", _K / _TREES * np.sqrt(trees * primitives))
-        put(self, "_floor", np.minimum(floor, 1.0))
-        root = leaves.leaves.copy()
-        while (below := self.scene.parent[root] >= 0).any():
-            root[below] = self.scene.parent[root[below]]
-        put(self, "_root", root)
+        self._leaves = LeafTree(scene, tree, member)
+        self._factor = _K / _TREES * np.sqrt(trees * primitives)
+        self._floor = np.minimum(floor, 1.0)
+        self._root = root = self._leaves.leaves.copy()
+        while (below := scene.parent[root] >= 0).any():
+            root[below] = scene.parent[root[below]]
 
     def seen(self, view: View) -> tuple[BoolArray, View]:
         """Return which leaves are in view, (U,), and the view of them."""
-        live = np.zeros(len(self.scene), dtype=np.bool_)
+        live = np.zeros(len(self._scene), dtype=np.bool_)
         live[view.ids] = True
         leaves = self._leaves.leaves
         inside = view.state.inside[leaves] & live[self._root]
@@ -106,12 +93,7 @@ class Groups:
         return self._floor[seen.type_index] > 0.0
 
     def plan(
-        self,
-        inside: BoolArray,
-        seen: View,
-        budget_ms: float,
-        cull_px: float,
-        epsilon: float | None,
+        self, inside: BoolArray, seen: View, budget_ms: float, cull_px: float, epsilon: float | None
     ) -> Plan | None:
         """Return the variables of a frame, or None if the budget does not pay for their lowest.
 
@@ -120,9 +102,9 @@ class Groups:
         """
         kind = seen.type_index
         optional = self.optional(seen)
-        setup, _, full, floor = self.costs.stretches(seen)
+        setup, _, full, floor = self._costs.stretches(seen)
         floor = np.minimum(np.maximum(floor, self._floor[kind]), 1.0)
-        value = self._factor[kind] * seen.area_px * self.scene.importance[seen.ids]
+        value = self._factor[kind] * seen.area_px * self._scene.importance[seen.ids]
         value = np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
         large = ~optional | (seen.area_px >= cull_px * cull_px)
@@ -133,27 +115,22 @@ class Groups:
             return None
         at = at[admission.drawn]
         low, full, floor, weight = low[at], full[at], floor[at], weight[at]
-        splitting = _apart(len(at))
-        if epsilon is not None and not self.scene.flat:
+        start, visited = np.arange(len(at)), 0
+        if epsilon is not None and not self._scene.flat:
             drawn = np.zeros(len(inside), dtype=np.bool_)
             drawn[np.flatnonzero(inside)[at]] = True
             share = np.clip(admission.scale * np.square(weight), low, full)
             lose = epsilon * float((weight * np.sqrt(share)).sum())
             splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
+            start, visited = splitting.start, splitting.visited
         return Plan(
             seen.ids[at],
             float(setup[at].sum()),
             floor,
-            *_variables(splitting.start, weight, floor, full),
-            splitting,
-            len(seen) + splitting.visited,
+            *_variables(start, weight, floor, full),
+            len(seen) + visited,
             admission.comparisons,
         )
-
-
-def _apart(count: int) -> Splitting:
-    """Return a variable for each leaf."""
-    return Splitting(np.arange(count), 0.0, 0.0, 0)
 
 
 def _variables(

@@ -12,12 +12,10 @@ complex models (CAD 2000); the formulas, lost in the text at hand, are restored 
 notes.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
-from .allocation import Allocation, as_bounds, settle, unit_share
+from ...base.arrays import FloatArray, IntArray
+from .allocation import Allocation, Shares
 
 _SHRINK = 0.8
 """Factor by which a start that is too dear is scaled down; the paper's is lost, this is ours."""
@@ -26,47 +24,28 @@ _TOLERANCE = 1e-12
 """Relative size below which a multiplier counts as zero and a budget as spent."""
 
 
-def allocate_by_active_set(
-    weight: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    *,
-    power: float,
-    low: FloatArray | float,
-    high: FloatArray | float,
-    max_iterations: int,
-    start: FloatArray | None = None,
+def search_active_set(
+    shares: Shares, *, max_iterations: int, start: FloatArray | None = None
 ) -> Allocation:
     """Return the optimal shares, or a feasible point after `max_iterations` passes.
 
-    As `allocate`, but `low` is positive.  `start`, (n,), is where to begin, such as the shares of
-    the last frame; it is brought within the bounds and the budget.  Without it, begin at `low`.
+    As `solve`, but `low` is positive.  `start`, (n,), is where to begin, such as the shares of the
+    last frame; it is brought within the bounds and the budget.  Without it, begin at `low`.
     """
-    low, high = as_bounds(low, high, len(cost))
-    early = settle(weight, cost, budget, power=power, low=low, high=high)
+    early = shares.settle()
     if early is not None:
         return early
-    # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
-    search = _Search(weight, cost, budget, power, low, high, low.copy())
+    search = _Search(shares)
     if start is not None:
-        search.begin(np.clip(start, low, high), max_iterations)
+        search.begin(np.clip(start, shares.low, shares.high), max_iterations)
     converged = False
     while not converged and search.iterations < max_iterations:
         converged = search.step()
-    x = search.x
     return Allocation(
-        x,
-        search.multiplier,
-        True,
-        converged,
-        search.iterations,
-        search.comparisons,
-        x <= low,
-        x >= high,
+        search.x, search.multiplier, True, converged, search.iterations, search.comparisons
     )
 
 
-@dataclass(slots=True)
 class _Search:
     """A feasible point and the bounds held with equality.
 
@@ -74,33 +53,20 @@ class _Search:
     what is held and 0 of what is free.  So a pass is a few operations on whole arrays.
     """
 
-    weight: FloatArray
-    cost: FloatArray
-    budget: float
-    power: float
-    low: FloatArray
-    high: FloatArray
-    x: FloatArray
-    iterations: int = 0
-    comparisons: int = 0
-    multiplier: float = 0.0
-    unit: FloatArray = field(init=False)
-    share: FloatArray = field(init=False)
-    paid: FloatArray = field(init=False)
-    held_x: FloatArray = field(init=False)
-    held_low: BoolArray = field(init=False)
-    held_high: BoolArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        count = len(self.cost)
-        self.unit = unit_share(self.weight, self.cost, self.power)
+    def __init__(self, shares: Shares) -> None:
+        self.weight, self.cost = shares.weight, shares.cost
+        self.budget, self.power = shares.budget, shares.power
+        self.low, self.high = shares.low, shares.high
+        # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
+        self.x = self.low.copy()
+        self.iterations, self.comparisons, self.multiplier = 0, 0, 0.0
         # What costs nothing is at its upper bound, and what weighs nothing at its lower, for good.
         self.held_high = (self.cost <= 0.0) | (self.low >= self.high)
-        # `unit` is infinite where the cost is 0; with 0 there, sums over everything need no mask.
-        self.unit[self.held_high] = 0.0
+        # The unit is infinite where the cost is 0; with 0 there, sums over everything need no mask.
+        self.unit = np.where(self.held_high, 0.0, shares.unit())
         self.held_low = (self.weight <= 0.0) & ~self.held_high
         self.share, self.paid = self.unit.copy(), self.unit * self.cost
-        self.held_x = np.zeros(count)
+        self.held_x = np.zeros(len(self.cost))
         self._hold(np.flatnonzero(self.held_high), np.flatnonzero(self.held_low))
 
     def begin(self, start: FloatArray, max_iterations: int) -> None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import FloatArray
 
 _PLAIN_PASSES = 16
 """Passes after which every other one halves the bracket, so that no input can stall Newton."""
@@ -40,8 +40,6 @@ class Allocation:
     converged : bool
         Whether x is the optimum, or the feasible point at which the solver had to stop.
     iterations, comparisons : passes over all x, and comparisons made in them
-    at_low, at_high : (n,) bool
-        Which bounds hold.
     """
 
     x: FloatArray
@@ -50,8 +48,47 @@ class Allocation:
     converged: bool
     iterations: int
     comparisons: int
-    at_low: BoolArray
-    at_high: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """A problem to solve: the arguments of `allocate`, with bounds as arrays, (n,)."""
+
+    weight: FloatArray
+    cost: FloatArray
+    budget: float
+    power: float
+    low: FloatArray
+    high: FloatArray
+
+    def unit(self) -> FloatArray:
+        """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is paid."""
+        infinite = np.full(len(self.cost), np.inf)
+        ratio = np.divide(self.weight, self.cost, out=infinite, where=self.cost > 0.0)
+        # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
+        if self.power == 2.0:
+            return np.sqrt(ratio, out=ratio)
+        if self.power == 3.0:
+            return np.cbrt(ratio, out=ratio)
+        return np.power(ratio, 1.0 / self.power, out=ratio)
+
+    def settle(self) -> Allocation | None:
+        """Return the shares where the budget leaves no choice, all at `high` or all at `low`."""
+        cost, budget, low, count = self.cost, self.budget, self.low, len(self.cost)
+        top = self.high
+        for _ in range(2):  # everything in full, else everything that is worth something
+            if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
+                feasible = count > 0 or budget >= 0.0
+                return Allocation(top.copy(), 0.0, feasible, True, 1, count)
+            top = np.where(self.weight > 0.0, self.high, low)
+        floor = float(cost @ low)
+        if floor < budget:
+            return None
+        multiplier = math.inf
+        # The budget pays for just `low`: λ is the least price that keeps every x there.
+        if floor == budget and low.min() > 0.0:
+            multiplier = float((self.unit() / low).max()) ** self.power
+        return Allocation(low.copy(), multiplier, floor <= budget, True, 1, count)
 
 
 def allocate(
@@ -69,21 +106,17 @@ def allocate(
     ``0 <= low <= high``, `high` finite where the cost is 0.  What costs nothing is at `high`; what
     weighs nothing is at `low` unless everything can be at `high`.
     """
-    low, high = as_bounds(low, high, len(cost))
-    early = settle(weight, cost, budget, power=power, low=low, high=high)
+    low, high = np.broadcast_to(low, len(cost)), np.broadcast_to(high, len(cost))
+    return solve(Shares(weight, cost, budget, power, low, high))
+
+
+def solve(shares: Shares) -> Allocation:
+    """Return the optimal shares, as `allocate`."""
+    early = shares.settle()
     if early is not None:
         return early
-    return _iterate(unit_share(weight, cost, power), cost, budget, power, low, high)
-
-
-def _iterate(
-    share: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    power: float,
-    low: FloatArray,
-    high: FloatArray,
-) -> Allocation:
+    share, cost, budget = shares.unit(), shares.cost, shares.budget
+    low, high = shares.low, shares.high
     paid = np.multiply(cost, share, out=np.zeros(len(cost)), where=cost > 0.0)
     scale, below, above = budget / float(paid.sum()), 0.0, math.inf
     was_low = was_high = np.zeros(len(cost), dtype=np.bool_)
@@ -113,7 +146,7 @@ def _iterate(
             break
         scale, was_low, was_high = following, at_low, at_high
     comparisons = 2 * len(cost) * iterations
-    return Allocation(x, scale**-power, True, True, iterations, comparisons, at_low, at_high)
+    return Allocation(x, scale**-shares.power, True, True, iterations, comparisons)
 
 
 def _halve(below: float, above: float) -> float:
@@ -121,79 +154,3 @@ def _halve(below: float, above: float) -> float:
     if above == math.inf:
         return 4.0 * below
     return math.sqrt(below) * math.sqrt(above) if below > 0.0 else 0.25 * above
-
-
-def as_bounds(
-    low: FloatArray | float, high: FloatArray | float, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return both bounds as arrays, (n,)."""
-    return np.broadcast_to(low, count), np.broadcast_to(high, count)
-
-
-def unit_share(weight: FloatArray, cost: FloatArray, power: float) -> FloatArray:
-    """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is to be paid."""
-    ratio = np.divide(weight, cost, out=np.full(len(cost), np.inf), where=cost > 0.0)
-    # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
-    if power == 2.0:
-        return np.sqrt(ratio, out=ratio)
-    if power == 3.0:
-        return np.cbrt(ratio, out=ratio)
-    return np.power(ratio, 1.0 / power, out=ratio)
-
-
-def settle(
-    weight: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    *,
-    power: float,
-    low: FloatArray,
-    high: FloatArray,
-) -> Allocation | None:
-    """Return the shares where the budget leaves no choice, all at `high` or all at `low`."""
-    count = len(cost)
-    top = high
-    for _ in range(2):  # everything in full, else everything that is worth something
-        if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
-            feasible = count > 0 or budget >= 0.0
-            flags = top <= low, top >= high
-            return Allocation(top.copy(), 0.0, feasible, True, 1, count, *flags)
-        top = np.where(weight > 0.0, high, low)
-    floor = float(cost @ low)
-    if floor < budget:
-        return None
-    multiplier = math.inf
-    # The budget pays for just `low`: λ is the least price that keeps every x there.
-    if floor == budget and low.min() > 0.0:
-        multiplier = float((unit_share(weight, cost, power) / low).max()) ** power
-    flags = low <= low, low >= high  # noqa: PLR0124 - at its lower bound is everything
-    return Allocation(low.copy(), multiplier, floor <= budget, True, 1, count, *flags)
-
-
-def kkt_residual(
-    result: Allocation,
-    weight: FloatArray,
-    cost: FloatArray,
-    budget: float,
-    *,
-    power: float,
-    low: FloatArray | float = 0.0,
-    high: FloatArray | float = math.inf,
-) -> float:
-    """Return the largest relative violation of the optimality conditions; 0 at the optimum.
-
-    Conditions (Karush-Kuhn-Tucker): no bound is broken, the budget is spent or everything is at
-    `high`, and value per cost is λ between the bounds, at most λ at `low`, at least λ at `high`.
-    """
-    x, multiplier = result.x, result.multiplier
-    low, high = as_bounds(low, high, len(x))
-    spent = float(cost @ x)
-    outside = float(np.maximum(np.maximum(low - x, x - high), 0.0).max(initial=0.0))
-    if multiplier == 0.0:
-        # At no price whatever has weight would be taken in full.
-        short = bool((x < high)[weight > 0.0].any())
-        return max(outside, spent / budget - 1.0, math.inf if short else 0.0)
-    ratio = weight * x**-power / (multiplier * cost)
-    may_rise = np.where(x < high, ratio - 1.0, 0.0)
-    may_fall = np.where(x > low, 1.0 - ratio, 0.0)
-    return max(outside, abs(spent / budget - 1.0), float(np.maximum(may_rise, may_fall).max()))

@@ -29,12 +29,7 @@ class IncrementForest:
     """
 
     def __init__(
-        self,
-        cost: FloatArray,
-        gain: FloatArray,
-        void: BoolArray,
-        above: IntArray,
-        layers: IntArray,
+        self, cost: FloatArray, gain: FloatArray, void: BoolArray, above: IntArray, layers: IntArray
     ) -> None:
         """Find the order of all increments.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +48,11 @@ class Choice:
     ----------
     column : (n,) int, chosen for each object
     cost, benefit : float, their sums
-    taken : (k,) bool, the increments that lead from the base to it
     """
 
     column: IntArray
     cost: float
     benefit: float
-    taken: BoolArray
 
 
 def affordable(cost: FloatArray, budget: float) -> FloatArray:
@@ -79,21 +77,36 @@ def hull_increments(cost: FloatArray, benefit: FloatArray) -> Increments:
     n, choices = cost.shape
     cheapest = cost.min(axis=1, keepdims=True)
     base: IntArray = np.where(cost == cheapest, benefit, -np.inf).argmax(axis=1)
-    everyone = np.arange(n, dtype=np.int32)
+    rows: IntArray = np.arange(n, dtype=np.int32)
     # One vertex of every hull a round, gift wrapping: L - 1 rounds of whole arrays at most.
-    edges: list[tuple[IntArray, IntArray]] = [(everyone, base)]
+    edges: list[tuple[IntArray, IntArray, IntArray]] = [(rows[:0], base[:0], base[:0])]
+    owner, column = rows, base
     for _ in range(choices - 1):
-        owner, column = _steepest(cost, benefit, *edges[-1])
+        edge = _steepest(cost, benefit, owner, column)
+        owner, _, column = edge
         if not len(owner):
             break
-        edges.append((owner, column))
-    return _sorted(cost, benefit, base, edges[1:])
+        edges.append(edge)
+    owner, before, column = (np.concatenate(part) for part in zip(*edges, strict=True))
+    more_cost = cost[owner, column] - cost[owner, before]
+    more_benefit = benefit[owner, column] - benefit[owner, before]
+    # Stable: increments of one object with rounding-equal slopes stay in order.
+    order = np.argsort(-more_benefit / more_cost, kind="stable")
+    return Increments(
+        base,
+        owner[order],
+        column[order],
+        more_cost[order],
+        more_benefit[order],
+        float(cost[rows, base].sum()),
+        float(benefit[rows, base].sum()),
+    )
 
 
 def _steepest(
     cost: FloatArray, benefit: FloatArray, owner: IntArray, column: IntArray
-) -> tuple[IntArray, IntArray]:
-    """Return the next hull vertex of each owner that has one."""
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the owners that have a next hull vertex, their columns and those it is at."""
     more_cost = cost[owner] - cost[owner, column][:, None]
     more_benefit = benefit[owner] - benefit[owner, column][:, None]
     # The hull is followed on its rising part only: dearer without being better is dominated.
@@ -103,43 +116,7 @@ def _steepest(
     # Of equally steep vertices the farthest: the others lie on the same edge.
     to: IntArray = np.where(better & (slope == steepest), more_cost, -1.0).argmax(axis=1)
     going = steepest[:, 0] > 0.0
-    return owner[going], to[going]
-
-
-def _sorted(
-    cost: FloatArray,
-    benefit: FloatArray,
-    base: IntArray,
-    edges: list[tuple[IntArray, IntArray]],
-) -> Increments:
-    rows = np.arange(len(base))
-    base_cost, base_benefit = cost[rows, base], benefit[rows, base]
-    last_cost, last_benefit = base_cost.copy(), base_benefit.copy()
-    steps: list[tuple[FloatArray, FloatArray]] = []
-    for owner, column in edges:
-        new_cost, new_benefit = cost[owner, column], benefit[owner, column]
-        steps.append((new_cost - last_cost[owner], new_benefit - last_benefit[owner]))
-        last_cost[owner], last_benefit[owner] = new_cost, new_benefit
-    if not edges:
-        none, nothing = np.empty(0, dtype=np.intp), np.empty(0)
-        return Increments(
-            base, none, none, nothing, nothing, float(base_cost.sum()), float(base_benefit.sum())
-        )
-    owner = np.concatenate([edge[0] for edge in edges])
-    column = np.concatenate([edge[1] for edge in edges])
-    more_cost = np.concatenate([step[0] for step in steps])
-    more_benefit = np.concatenate([step[1] for step in steps])
-    # Stable: increments of one object with rounding-equal slopes stay in order.
-    order = np.argsort(-more_benefit / more_cost, kind="stable")
-    return Increments(
-        base,
-        owner[order],
-        column[order],
-        more_cost[order],
-        more_benefit[order],
-        float(base_cost.sum()),
-        float(base_benefit.sum()),
-    )
+    return owner[going], column[going], to[going]
 
 
 def take_increments(increments: Increments, budget: float, *, skip_misfits: bool) -> Choice:
@@ -166,7 +143,7 @@ def take_increments(increments: Increments, budget: float, *, skip_misfits: bool
     column[increments.owner[order]] = increments.column[order]  # the last write is the finest
     cost = increments.base_cost + float(increments.cost[taken].sum())
     benefit = increments.base_benefit + float(increments.benefit[taken].sum())
-    return Choice(column, cost, benefit, taken)
+    return Choice(column, cost, benefit)
 
 
 def _still_possible(increments: Increments, rest: IntArray, left: float) -> IntArray:

@@ -11,7 +11,7 @@ a bound that it meets instead of ended there, which spares a step for each varia
 """
 
 import math
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -22,29 +22,8 @@ _PRECISION = 1e-12  # relative, of slopes and costs
 _MAX_PASSES = 100  # of one line search; it takes about ten
 
 
-class Ascent(Protocol):
-    """Smooth variables that can be raised; `passes` counts passes over all of them."""
-
-    passes: int
-
-    @property
-    def x(self) -> FloatArray:
-        """Current values, (V,)."""
-        ...
-
-    def slope(self) -> float:
-        """Return benefit per cost of raising further from here; 0 where nothing can be raised."""
-        ...
-
-    def raise_to(self, slope: float, spend: float) -> float:
-        """Raise until benefit per cost falls to `slope` or `spend` is spent; return what was."""
-        ...
-
-
 class NewtonAscent:
     """Raises by the closed form ``x = (weight / 2 slope)²`` within bounds; exact."""
-
-    __slots__ = ("_high", "_low", "_weight", "passes", "x")
 
     def __init__(self, weight: FloatArray, low: FloatArray, high: FloatArray) -> None:
         self._weight, self._low, self._high = weight, low, high
@@ -88,16 +67,8 @@ class GradientAscent:
     value, as printed, or where all have that move, if it is `bent`.
     """
 
-    __slots__ = ("_at", "_bent", "_direction", "_high", "_low", "_weight", "barrier", "passes")
-
     def __init__(
-        self,
-        weight: FloatArray,
-        low: FloatArray,
-        high: FloatArray,
-        *,
-        barrier: float,
-        bent: bool,
+        self, weight: FloatArray, low: FloatArray, high: FloatArray, *, barrier: float, bent: bool
     ) -> None:
         """Begin at `low`; `weight`, `low` and `high` are (V,) and not negative."""
         self._bent = bent
@@ -220,3 +191,7 @@ class GradientAscent:
         self.passes += 1
         root = np.clip(place, self._low, self._high)
         return float((root * root).sum())
+
+
+Ascent: TypeAlias = NewtonAscent | GradientAscent
+"""Smooth variables that can be raised; `passes` counts passes over all of them."""

@@ -7,7 +7,7 @@ every object's best response has a closed form; the price at which the responses
 gives the optimum of the relaxation, and the Lagrangian dual at any price bounds every selection.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class Response:
     benefit: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(eq=False)
 class SmoothChoice:
     """n objects with up to L alternatives.
 
@@ -46,19 +46,15 @@ class SmoothChoice:
     samples: FloatArray
     weight: FloatArray
     soft: BoolArray
-    _slope: FloatArray = field(init=False, repr=False)
-    _spans: BoolArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        spans = np.isfinite(self.cost[:, 1:]) & self.soft[:, None]
-        width = np.where(spans, self.samples[:, :-1] - self.samples[:, 1:], 0.0)
-        spans &= width > 0.0
-        step = np.subtract(
-            self.cost[:, :-1], self.cost[:, 1:], out=np.zeros_like(width), where=spans
-        )
-        slope = np.divide(step, width, out=np.zeros_like(width), where=spans)
-        object.__setattr__(self, "_spans", spans)
-        object.__setattr__(self, "_slope", slope)
+        cost, samples = self.cost, self.samples
+        spans = np.isfinite(cost[:, 1:]) & self.soft[:, None]
+        width = np.where(spans, samples[:, :-1] - samples[:, 1:], 0.0)
+        self._spans = spans & (width > 0.0)
+        step = np.zeros_like(width)
+        np.subtract(cost[:, :-1], cost[:, 1:], out=step, where=self._spans)
+        self._slope = np.divide(step, width, out=np.zeros_like(width), where=self._spans)
 
     def respond(self, price: float) -> Response:
         """Return the selection that is best when a unit of cost is worth `price` of benefit."""

@@ -19,7 +19,7 @@ from ..shared.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True, slots=True)
-class Increments:
+class TreeIncrements:
     """k increments by falling slope, an increment behind those above it.
 
     Attributes
@@ -39,17 +39,16 @@ class Increments:
 
 def tree_increments(
     hierarchy: Hierarchy, cost: FloatArray, benefit: FloatArray, item: BoolArray
-) -> Increments:
+) -> TreeIncrements:
     """Merge the refinements of the nodes marked in `item` into increments.
 
     `cost` and `benefit` are (N,), of refining each node; an item's nearest ancestor that is no item
     but empty is passed over, any other ancestor must be an item.
     """
-    nodes = np.arange(len(cost))
     depth = hierarchy.tree.depth
     up = next_above(hierarchy, item)
     cost, benefit = np.where(item, cost, 0.0), np.where(item, benefit, 0.0)
-    head, block = item.copy(), nodes.copy()
+    head, block = item.copy(), np.arange(len(cost))
     slope = _slopes(cost, benefit)
     # From the deepest layer up: what hangs below a layer is merged for good when it is its turn.
     for at in range(len(hierarchy.layers) - 1, -1, -1):
@@ -70,7 +69,16 @@ def tree_increments(
             block[steep] = onto
             # Children of what was merged hang on the block that it joined.
             up = np.where(up >= 0, block[up], -1)
-    return _sorted(item, head, block, depth, cost, benefit, slope)
+    # A block may have joined one that joined another later: follow to the end.
+    while (block[block] != block).any():
+        block = block[block]
+    heads = np.flatnonzero(head)
+    # Of equal slopes the upper first: an increment must not come before one above it.
+    heads = heads[np.lexsort((depth[heads], -slope[heads]))]
+    position = np.full(len(head), -1)
+    position[heads] = np.arange(len(heads))
+    owner = np.where(item, position[block], -1)
+    return TreeIncrements(cost[heads], benefit[heads], slope[heads], owner)
 
 
 def next_above(hierarchy: Hierarchy, item: BoolArray) -> IntArray:
@@ -85,27 +93,6 @@ def _slopes(cost: FloatArray, benefit: FloatArray) -> FloatArray:
     # At no cost: first of all where nothing is lost, never otherwise.
     free = np.where(benefit >= 0.0, np.inf, -np.inf)
     return np.divide(benefit, cost, out=free, where=cost > 0.0)
-
-
-def _sorted(
-    item: BoolArray,
-    head: BoolArray,
-    block: IntArray,
-    depth: IntArray,
-    cost: FloatArray,
-    benefit: FloatArray,
-    slope: FloatArray,
-) -> Increments:
-    # A block may have joined one that joined another later: follow to the end.
-    while (block[block] != block).any():
-        block = block[block]
-    heads = np.flatnonzero(head)
-    # Of equal slopes the upper first: an increment must not come before one above it.
-    heads = heads[np.lexsort((depth[heads], -slope[heads]))]
-    position = np.full(len(head), -1)
-    position[heads] = np.arange(len(heads))
-    owner = np.where(item, position[block], -1)
-    return Increments(cost[heads], benefit[heads], slope[heads], owner)
 
 
 def take_part(

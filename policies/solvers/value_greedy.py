@@ -104,8 +104,9 @@ def improve_incrementally(
     `max_steps` such exchanges.  Column 0 is the finest.
     """
     column = start.copy()
-    steps = _lower_to(cost, benefit, budget, column)
-    steps += _raise_to(cost, benefit, budget, column)
+    over = float(_of(cost, column).sum()) - budget
+    steps = _walk(cost, benefit, column, 1, over) if over > 0.0 else 0
+    steps += _walk(cost, benefit, column, -1, budget - float(_of(cost, column).sum()))
     for _ in range(max_steps):
         up = _slopes(cost, benefit, column, -1)
         best = int(up.argmax())
@@ -146,27 +147,17 @@ def _slopes(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int) 
     return np.where(exists, slope, np.inf if step > 0 else -np.inf)
 
 
-def _raise_to(cost: FloatArray, benefit: FloatArray, budget: float, column: IntArray) -> int:
-    """Raise levels in place by falling slope up to the first that does not fit."""
-    return _walk(cost, benefit, column, -1, budget - float(_of(cost, column).sum()))
-
-
-def _lower_to(cost: FloatArray, benefit: FloatArray, budget: float, column: IntArray) -> int:
-    """Lower levels in place by rising slope until the sum fits."""
-    over = float(_of(cost, column).sum()) - budget
-    return _walk(cost, benefit, column, 1, over) if over > 0.0 else 0
-
-
 def _walk(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int, amount: float) -> int:
-    """Take steps of all objects in the order in which one at a time would be taken.
+    """Take steps of all objects, in place, in the order in which one at a time would be taken.
+
+    Raising (-1) goes by falling slope up to the first step that does not fit in `amount`, lowering
+    (1) by rising slope until that much is saved.
 
     One at a time always takes the best of the objects' next steps, so that a good step behind a
     poor one waits for it: steps go by the running minimum (raising) or maximum (lowering) of
     slopes along their object.
     """
-    owners: list[IntArray] = []
-    keys: list[FloatArray] = []
-    prices: list[FloatArray] = []
+    steps: list[tuple[IntArray, FloatArray, FloatArray]] = []
     at = column.copy()
     key = np.full(len(column), np.inf if step < 0 else -np.inf)
     while True:
@@ -179,18 +170,16 @@ def _walk(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int, am
         # Running minimum or maximum along the object: no later step stands before an earlier one.
         key[moving] = limit(key[moving], slope[moving])
         price = cost[moving, at[moving] + step] - cost[moving, at[moving]]
-        owners.append(moving)
-        keys.append(key[moving])
-        prices.append(np.abs(price))
+        steps.append((moving, key[moving], np.abs(price)))
         still = np.zeros(len(at), dtype=np.bool_)
         still[moving] = True
         at = np.where(still, at + step, at)
         key[~still] = np.nan
-    if not owners:
+    if not steps:
         return 0
-    owner, price = np.concatenate(owners), np.concatenate(prices)
+    owner, keys, price = (np.concatenate(part) for part in zip(*steps, strict=True))
     # Stable, and rounds are in sequence: of equal keys an object's earlier step stands first.
-    order = np.argsort(step * np.concatenate(keys), kind="stable")
+    order = np.argsort(step * keys, kind="stable")
     total = np.cumsum(price[order])
     # Raising ends before the step that does not fit, lowering with the one that makes it fit.
     side = "right" if step < 0 else "left"

@@ -12,7 +12,7 @@ in its place, an uneven node can lose more than its bound.  Leaves of unequal co
 resolution share in proportion to it, and ``1 / n`` in the bound is the least cost over the sum.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 
 
-@dataclass(frozen=True, slots=True)
 class LeafTree:
     """Some leaves of a scene from left to right, so that those below a node stand together.
 
@@ -33,18 +32,12 @@ class LeafTree:
         Range of places in `leaves` below each node; empty where there is none.
     """
 
-    scene: Scene
-    tree: Tree
-    member: BoolArray
-    leaves: IntArray = field(init=False)
-    first: IntArray = field(init=False)
-    stop: IntArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        parent, depth = self.scene.parent, self.tree.depth
+    def __init__(self, scene: Scene, tree: Tree, member: BoolArray) -> None:
+        self.scene = scene
+        parent, depth = scene.parent, tree.depth
         layers = [np.flatnonzero(depth == d) for d in range(int(depth.max()) + 1)]
         # Leaves below each node, summed from the deepest layer up.
-        count = self.member.astype(np.int64)
+        count = member.astype(np.int64)
         for layer in layers[:0:-1]:
             np.add.at(count, parent[layer], count[layer])
         # A node's leaves begin where its parent's do, behind those of the siblings before it.
@@ -57,11 +50,9 @@ class LeafTree:
             start = np.repeat(before[eldest], np.diff(eldest, append=len(family)))
             above = parent[family]
             first[family] = before - start + np.where(above >= 0, first[above], 0)
-        member = np.flatnonzero(self.member)
-        put = object.__setattr__
-        put(self, "leaves", member[np.argsort(first[member], kind="stable")].astype(np.int32))
-        put(self, "first", first)
-        put(self, "stop", first + count)
+        leaves = np.flatnonzero(member)
+        self.leaves = leaves[np.argsort(first[leaves], kind="stable")].astype(np.int32)
+        self.first, self.stop = first, first + count
 
     def children(self, nodes: IntArray) -> IntArray:
         """Return the children of all nodes, in order."""

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection
 from ..shared.error_ladder import ErrorLadder
+from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
 
 
@@ -33,8 +31,8 @@ class PixelError:
     of 16 px.
     """
 
-    threshold_px: float = 1.0  # Godot's and meshoptimizer's
-    hysteresis: float = 0.0  # share of the threshold by which to coarsen late; no engine has any
+    threshold_px: Finite = 1.0  # Godot's and meshoptimizer's
+    hysteresis: BelowOne = 0.0  # share of the threshold to coarsen late by; no engine has any
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -45,14 +43,9 @@ class PixelError:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the errors."""
-        if not (0 < self.threshold_px < np.inf and 0 <= self.hysteresis < 1):
-            raise InputError(
-                "pixel-error: expected threshold_px > 0 and hysteresis in [0, 1), got "
-                f"{self.threshold_px:g} and {self.hysteresis:g}"
-            )
-        self._ladder: ErrorLadder | None = ErrorLadder(scene)
+        check_parameters(self, "pixel-error")
+        self._ladder = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
-        assert self._ladder is not None, "reset comes before select"
         return self._ladder.select(view, self.threshold_px, self.hysteresis)

@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
 from ..shared.hierarchy import Hierarchy
+from ..shared.ranges import Finite, Positive, check_parameters
 from ..view import View
 
 _STEP = 1.02  # CesiumJS: factor of the memory-adjusted error in a frame
@@ -41,8 +41,8 @@ class ScreenSpaceError:
     memory adjustment as in CesiumJS (maximumScreenSpaceError, memoryAdjustedScreenSpaceError).
     """
 
-    tolerance_px: float = 16.0  # CesiumJS and cesium-native
-    memory_bytes: float | None = None  # None: off; CesiumJS adjusts to its cache of 512 MiB
+    tolerance_px: Finite = 16.0  # CesiumJS and cesium-native
+    memory_bytes: Positive | None = None  # None: off; CesiumJS adjusts to its cache of 512 MiB
 
     capabilities: ClassVar[Capabilities] = Capabilities(
         continuous=True, hierarchy=True, loader=True
@@ -55,15 +55,7 @@ class ScreenSpaceError:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
-        self._budget_ms = 0.0
-        if not 0.0 < self.tolerance_px < np.inf:
-            raise InputError(
-                f"screen-space-error: expected tolerance_px > 0, got {self.tolerance_px:g}"
-            )
-        if self.memory_bytes is not None and not self.memory_bytes > 0.0:
-            raise InputError(
-                f"screen-space-error: expected memory_bytes > 0, got {self.memory_bytes:g}"
-            )
+        check_parameters(self, "screen-space-error")
         self._adjusted_px = self.tolerance_px
         self._chooser = ErrorLadder(scene) if scene.flat else Hierarchy(scene)
         levels = scene.types.levels

@@ -11,16 +11,23 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
+from ..shared.ranges import BelowOne, check_parameters
 from ..view import View
 
 
-def distance_range(scene: Scene, near_m: float | None, far_m: float | None) -> tuple[float, float]:
-    """Return the given distances, or for None 1 % and 50 % of the scene's extent."""
+def distance_range(
+    policy: str, scene: Scene, near_m: float | None, far_m: float | None
+) -> tuple[float, float]:
+    """Return the given distances, or for None 1 % and 50 % of the scene's extent.
+
+    Raises `InputError` if they are not in order; `policy` is named in the message.
+    """
     extent_m = float(np.ptp(scene.center_m, axis=0).max()) + 2.0 * float(scene.radius_m.max())
-    return (
-        0.01 * extent_m if near_m is None else near_m,
-        0.5 * extent_m if far_m is None else far_m,
-    )
+    near_m = 0.01 * extent_m if near_m is None else near_m
+    far_m = 0.5 * extent_m if far_m is None else far_m
+    if not 0.0 <= near_m < far_m:
+        raise InputError(f"{policy}: expected 0 <= near_m < far_m, got {near_m:g} and {far_m:g}")
+    return near_m, far_m
 
 
 @dataclass
@@ -43,7 +50,7 @@ class StaticDistance:
 
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
-    hysteresis: float = 0.0  # share of a threshold by which to return late; three.js: 0
+    hysteresis: BelowOne = 0.0  # share of a threshold by which to return late; three.js: 0
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -54,12 +61,8 @@ class StaticDistance:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Resolve distances that depend on the scene."""
-        near_m, far_m = distance_range(scene, self.near_m, self.far_m)
-        if not (0.0 <= near_m < far_m and 0.0 <= self.hysteresis < 1.0):
-            raise InputError(
-                "static-distance: expected 0 <= near_m < far_m and hysteresis in [0, 1), got "
-                f"{near_m:g}, {far_m:g} and {self.hysteresis:g}"
-            )
+        check_parameters(self, "static-distance")
+        near_m, far_m = distance_range("static-distance", scene, self.near_m, self.far_m)
         self._near_m = near_m
         self._per_m = 1.0 / (far_m - near_m)
         self._count = scene.types.levels.level_count.astype(np.float64)

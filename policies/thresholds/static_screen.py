@@ -7,11 +7,11 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
+from ..shared.ranges import Fraction, NotNegative, Positive, check_parameters
 from ..view import View
 
 
@@ -55,10 +55,10 @@ class StaticScreen:
     size with LODHysteresis.  Thresholds are authored per asset there; a geometric ladder is ours.
     """
 
-    first: float = 0.25  # ours: no engine ships a value that fits every asset
-    ratio: float = 0.5  # ours: halving the height when the triangles halve or quarter
-    bias: float = 1.0  # Unity's default
-    hysteresis: float = 0.01  # ours; 0 is Unity's behaviour
+    first: Positive = 0.25  # ours: no engine ships a value that fits every asset
+    ratio: Fraction = 0.5  # ours: halving the height when the triangles halve or quarter
+    bias: Positive = 1.0  # Unity's default
+    hysteresis: NotNegative = 0.01  # ours; 0 is Unity's behaviour
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
@@ -69,11 +69,7 @@ class StaticScreen:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and note each type's coarsest level."""
-        if not (self.first > 0 and 0 < self.ratio < 1 and self.bias > 0 and self.hysteresis >= 0):
-            raise InputError(
-                "static-screen: expected first > 0, ratio in (0, 1), bias > 0 and hysteresis >= 0, "
-                f"got {self.first:g}, {self.ratio:g}, {self.bias:g} and {self.hysteresis:g}"
-            )
+        check_parameters(self, "static-screen")
         self._coarsest = scene.types.levels.level_count.astype(np.float64) - 1.0
 
     def select(self, view: View) -> Selection:
@@ -82,18 +78,12 @@ class StaticScreen:
 
     def select_biased(self, view: View, bias: float) -> Selection:
         """Return a level for every candidate under another bias than the policy's own."""
-        levels = view.scene.types.levels
-        detail = detail_of_level(levels, view.type_index, self.levels(view, bias))
-        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
-
-    def levels(self, view: View, bias: float) -> FloatArray:
-        """Return the level of every candidate under a bias, with hysteresis, (m,)."""
+        table = view.scene.types.levels
         height = screen_height(view)
         height *= bias
         coarsest = self._coarsest[view.type_index]
         level = screen_level(height, coarsest, self.first, self.ratio)
         if self.hysteresis:
-            table = view.scene.types.levels
             before = level_of_detail(table, view.type_index, view.previous_detail)
             height -= self.hysteresis
             np.maximum(height, 1e-9, out=height)
@@ -101,4 +91,5 @@ class StaticScreen:
             # Finer only if it would be with the margin taken off too; NaN compares false.
             hold = level < before
             level[hold] = np.minimum(late, before)[hold]
-        return level
+        detail = detail_of_level(table, view.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))

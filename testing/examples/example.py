@@ -10,7 +10,7 @@ import numpy as np
 from ...base.arrays import BoolArray
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.protocol import Oracle, Policy, Truth
+from ...policies.protocol import Clairvoyant, Policy, Truth
 from ...policies.selection import Selection
 from ...policies.shared.observer import Watched, watch
 from ...policies.view import View
@@ -52,7 +52,7 @@ class Notes(Watched):
         # A replay computes the best that any selection could have been beside each frame of an
         # oracle: half of the time of all its promises, none of which looks at it.  So the replay
         # does not hear of the oracle, which is told the truth here.
-        self._foresees = policy.capabilities.future and isinstance(policy, Oracle)
+        self._foresees = policy.capabilities.future and isinstance(policy, Clairvoyant)
         type(self).capabilities = replace(policy.capabilities, future=False)
 
     def show(self, view: View) -> View:

@@ -99,5 +99,5 @@ def test_an_oracle_that_was_told_nothing_says_so(make_scene: Make, make_view: Ma
     policy.reset(scene, 5.0)
     with pytest.raises(InputError, match="call foresee"):
         policy.select(make_view(scene))
-    with pytest.raises(InputError, match="exact_up_to >= 0"):
+    with pytest.raises(InputError, match="exact_up_to in"):
         Oracle(exact_up_to=-1).reset(scene, 5.0)

@@ -124,5 +124,5 @@ def test_replayed_end_to_end(
 
 def test_a_senseless_exponent_is_refused(make_scene: MakeScene) -> None:
     """The exponent is 1 or 2."""
-    with pytest.raises(InputError, match="wimmer: expected m 1 or 2, got 0"):
+    with pytest.raises(InputError, match=r"wimmer: expected m in \[1, 2\], got 0"):
         Wimmer(m=0).reset(make_scene(PLACES).with_costs(COSTS), 2.0)

@@ -247,5 +247,5 @@ def test_faulty_times_teach_nothing(family: Make, make_tree_view: Make, fault: f
 )
 def test_refuses_senseless_parameters(family: Make, wrong: dict[str, float]) -> None:
     """The thesis demands 1 <= switch <= limit; rates are shares."""
-    with pytest.raises(InputError, match="hlod-hysteresis: expected"):
+    with pytest.raises(InputError, match=f"hlod-hysteresis: expected .*{next(iter(wrong))}.*, got"):
         _started(family(), **wrong)

@@ -79,5 +79,5 @@ def test_prediction_keeps_the_budget(pair: Scene, make_tree_view: Make) -> None:
 
 def test_threshold_must_not_be_negative(pair: Scene) -> None:
     """A negative count of frames is refused."""
-    with pytest.raises(InputError, match="threshold >= 0, got -1"):
+    with pytest.raises(InputError, match=r"threshold in \[0, inf\], got -1"):
         Maciel(threshold=-1).reset(pair, 10.0)

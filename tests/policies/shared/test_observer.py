@@ -10,7 +10,7 @@ import pytest
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.bounds.full import Full
-from lodbench.policies.protocol import Capabilities, Oracle, Policy, Truth
+from lodbench.policies.protocol import Capabilities, Clairvoyant, Policy, Truth
 from lodbench.policies.registry import default_policies, parse_policy
 from lodbench.policies.selection import Selection
 from lodbench.policies.shared.observer import watch
@@ -79,7 +79,7 @@ def test_the_truth_is_handed_to_an_oracle() -> None:
     """As it was given."""
     oracle = Told()
     watched = watch(oracle)
-    assert isinstance(watched, Oracle)
+    assert isinstance(watched, Clairvoyant)
     truth = Truth(CostModel.of(1.0, {}), 1.25)
     watched.foresee(truth)
     assert oracle.truth is truth

@@ -1,6 +1,7 @@
 """The allocation solver by hand: published oracles, the papers' closed forms, and edge cases."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lodbench.policies.solvers.allocation import allocate, kkt_residual
+from lodbench.policies.solvers.allocation import allocate
 
 WEIGHT = np.array([400.0, 100.0, 25.0])
 COST = np.array([20.0, 10.0, 5.0])
+Residual = Callable[..., float]
 
 
 @pytest.mark.parametrize(
@@ -31,8 +33,8 @@ def test_gobbetti_bouvier_by_hand(
     assert_allclose(result.x, x, atol=5e-7)
     assert result.multiplier == pytest.approx(multiplier, abs=5e-7)
     assert float((WEIGHT / result.x).sum()) == pytest.approx(degradation, abs=5e-7)
-    assert result.at_high.tolist() == [budget == 30.0, False, False]
-    assert not result.at_low.any()
+    assert (result.x >= 1.0).tolist() == [budget == 30.0, False, False]
+    assert (result.x > 0.05).all()
 
 
 @pytest.mark.parametrize(
@@ -101,10 +103,9 @@ def test_infeasible_is_low_and_says_so() -> None:
     assert not result.feasible
     assert result.converged
     assert result.multiplier == math.inf
-    assert result.at_low.all()
 
 
-def test_a_budget_of_exactly_the_lower_bounds() -> None:
+def test_a_budget_of_exactly_the_lower_bounds(kkt_residual: Residual) -> None:
     """It is feasible, and the multiplier is the largest value per cost there."""
     low = np.array([0.25, 0.5, 0.5])
     result = allocate(WEIGHT, COST, 12.5, power=2.0, low=low, high=1.0)
@@ -120,7 +121,6 @@ def test_everything_in_full(budget: float) -> None:
     result = allocate(WEIGHT, COST, budget, power=2.0, low=0.05, high=1.0)
     assert_array_equal(result.x, 1.0)
     assert result.multiplier == 0.0
-    assert result.at_high.all()
 
 
 @pytest.mark.parametrize("power", [0.5, 2.0, 3.0, 4.5])
@@ -157,7 +157,7 @@ def test_equal_bounds_are_kept() -> None:
     assert_allclose(WEIGHT[0] / result.x[0] ** 2 / 20.0, WEIGHT[2] / result.x[2] ** 2 / 5.0)
 
 
-def test_a_residual_sees_what_is_not_optimal() -> None:
+def test_a_residual_sees_what_is_not_optimal(kkt_residual: Residual) -> None:
     """The residual of another feasible point is not small, so a small one means something."""
     best = allocate(WEIGHT, COST, 20.0, power=2.0, low=0.05, high=1.0)
     skewed = allocate(WEIGHT * [1.0, 1.01, 1.0], COST, 20.0, power=2.0, low=0.05, high=1.0)
@@ -177,7 +177,7 @@ wide = st.floats(1e-6, 1e6)
     power=st.sampled_from((0.5, 2.0, 3.0, 5.0)),
 )
 def test_any_instance_is_solved(
-    objects: list[tuple[float, float, float]], part: float, power: float
+    kkt_residual: Residual, objects: list[tuple[float, float, float]], part: float, power: float
 ) -> None:
     """Weights and costs over twelve decades are solved to a residual of 1e-9 in few passes."""
     weight, cost, low = (np.array(column) for column in zip(*objects, strict=True))

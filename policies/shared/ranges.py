@@ -1,0 +1,62 @@
+"""Ranges of parameters, declared beside them and checked in one place.
+
+A policy writes ``gain: NotNegative = 0.5`` and calls `check_parameters` in its `reset`.
+"""
+
+from dataclasses import dataclass, fields
+from itertools import pairwise
+from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
+
+from ...base.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Numbers between two ends, written as in mathematics: ``(0, 1]`` is without 0 and with 1."""
+
+    text: str
+
+    def __contains__(self, value: float) -> bool:
+        """Return whether a number lies in the interval; NaN lies in none."""
+        low, high = map(float, self.text[1:-1].split(","))
+        from_low = low <= value if self.text[0] == "[" else low < value
+        return from_low and (value <= high if self.text[-1] == "]" else value < high)
+
+
+Share: TypeAlias = Annotated[float, Interval("(0, 1]")]
+UpToOne: TypeAlias = Annotated[float, Interval("[0, 1]")]
+BelowOne: TypeAlias = Annotated[float, Interval("[0, 1)")]
+Fraction: TypeAlias = Annotated[float, Interval("(0, 1)")]
+Positive: TypeAlias = Annotated[float, Interval("(0, inf]")]
+Finite: TypeAlias = Annotated[float, Interval("(0, inf)")]
+NotNegative: TypeAlias = Annotated[float, Interval("[0, inf]")]
+AtLeastOne: TypeAlias = Annotated[float, Interval("[1, inf]")]
+Count: TypeAlias = Annotated[int, Interval("[0, inf]")]
+PositiveInt: TypeAlias = Annotated[int, Interval("[1, inf]")]
+
+
+def check_parameters(policy: Any, name: str, *rising: str) -> None:
+    """Raise `InputError` if a parameter lies outside its range, or those of `rising` fall.
+
+    A range is an `Interval` in the parameter's annotation, or the values of a `Literal`; None is
+    outside of all ranges where the annotation does not allow for it.
+    """
+    hints = get_type_hints(policy.__class__, include_extras=True)
+    for parameter in fields(policy):
+        value, hint = getattr(policy, parameter.name), hints[parameter.name]
+        kinds = get_args(hint)
+        if value is None and type(None) in kinds:
+            continue
+        if get_origin(hint) is Literal and value not in kinds:
+            choices = ", ".join(kinds)
+            raise InputError(f"{name}: expected {parameter.name} one of {choices}, got {value}")
+        for kind in (hint, *kinds):
+            for interval in getattr(kind, "__metadata__", ()):
+                if value not in interval:
+                    raise InputError(
+                        f"{name}: expected {parameter.name} in {interval.text}, got {value}"
+                    )
+    values = [getattr(policy, parameter) for parameter in rising]
+    if any(low > high for low, high in pairwise(values)):
+        got = ", ".join(f"{value:g}" for value in values)
+        raise InputError(f"{name}: expected {' <= '.join(rising)}, got {got}")
