@@ -1,8 +1,6 @@
 """The contract checks themselves: a sound policy passes, and each check finds one broken policy."""
 
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,7 +14,7 @@ from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities, Claims
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
-from lodbench.testing import CHECKS, CheckError, check_policy, parametrize_with_checks
+from lodbench.testing import CHECKS, CheckError, check_policy
 
 ROOT = Path(__file__).parents[2]
 
@@ -395,38 +393,3 @@ def test_a_policy_that_fits_no_scene_is_skipped() -> None:
     results = check_policy(FitsNothing)
     assert all(result.passed for result in results)
     assert results[0].skipped == "fits none of the scenes"
-
-
-def test_tests_are_called_after_policy_and_check() -> None:
-    """Identifiers name the class, the parameters bound to it, and the check."""
-    mark = parametrize_with_checks([Sound, partial(Sound, step_m=5.0)]).mark
-    assert mark.args[0] == ("policy_factory", "check")
-    names = [pair.id for pair in mark.args[1]]
-    assert names[0] == "Sound-valid_selections"
-    assert names[-1] == "Sound(step_m=5.0)-load_steps_settle"
-    assert len(names) == 2 * 14
-
-
-def test_checks_do_without_pytest_and_hypothesis() -> None:
-    """Only tests and drawn examples need them; a policy is checked where neither is installed."""
-    script = """
-import sys
-sys.modules["pytest"] = sys.modules["hypothesis"] = None
-from lodbench.policies.bounds.full import Full
-from lodbench.testing import check_policy
-print(all(result.passed for result in check_policy(Full)))
-"""
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "True"
-
-
-def test_the_documented_test_passes(tmp_path: Path) -> None:
-    """The policy and the test of the page about adding one, run as a reader would."""
-    page = (ROOT / "docs" / "adding-a-policy.md").read_text(encoding="utf-8")
-    files = dict(re.findall(r"^```python file=(\S+)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
-    for name in ("nearest.py", "test_nearest.py"):
-        (tmp_path / name).write_text(files[name], encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_nearest.py"]
-    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert re.search(r"\d+ passed in", run.stdout)

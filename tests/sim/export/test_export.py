@@ -59,7 +59,7 @@ def test_metrics_survive(
     run = Run(log, warmup=1)  # the first frame makes no row
     read = exported(log, name, tmp_path)
     assert len(read) == len(log) - 1
-    assert np.count_nonzero(read.dropped) == np.count_nonzero(run.display_ns < 0)
+    assert np.count_nonzero(read.dropped) == np.count_nonzero(run["display_ns"] < 0)
     assert read.dropped.any() == (mode == "mailbox")
     pairs = {
         "frame_ms": (run.frame_ms, read.between_display_change_ms),
