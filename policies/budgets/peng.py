@@ -35,7 +35,7 @@ class Peng:
     threshold is that of the report they cite, which prints no value.
     """
 
-    alpha: Annotated[float, Interval("[0.1, 10]")] = 3.0  # the paper's, near Funkhouser's benefit
+    alpha: Annotated[float, Interval("[0.1, 10]")] = 3.0  # the paper's: as Funkhouser's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
     threshold_px: NotNegative = 0.0  # off
 

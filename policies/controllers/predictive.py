@@ -74,7 +74,7 @@ class Predictive:
     """
 
     policy: str = "funkhouser"  # ours: the policy that a late pose hurts most is a predictive one
-    horizon_ms: Annotated[float, Interval("[0, inf)")] | None = None  # None: frames under way
+    horizon_ms: Annotated[float, Interval("[0, inf)")] | None = None  # None: by frames under way
     max_speed_m_s: Positive = 50.0  # ours: faster is a cut
     max_turn_deg_s: Positive = 720.0  # ours: faster is a cut
 

@@ -76,7 +76,8 @@ class UnityAdaptive:
         self._excess.extend((new_ms / self._budget_ms - 1.0).tolist())
         if view.time_ns >= self._ready_ns and len(new_ms):
             self._act(view.time_ns)
-        return self._static.select_biased(view, self._scale())
+        scale = 1.0 - (1.0 - self.min_scale) * self._level / max(self.max_level, 1)
+        return self._static.select_biased(view, scale)
 
     def _act(self, time_ns: int) -> None:
         action = judge_trend(np.array(self._excess))
@@ -84,6 +85,3 @@ class UnityAdaptive:
         wait_s = {"stale": self.retry_s, "decrease": self.delay_s}.get(action, 0.5 * self.delay_s)
         self._level = min(max(self._level + step, 0), self.max_level)
         self._ready_ns = time_ns + wait_s * _NS_PER_S
-
-    def _scale(self) -> float:
-        return 1.0 - (1.0 - self.min_scale) * self._level / max(self.max_level, 1)

@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection, Work
@@ -59,17 +58,12 @@ class Erikson:
         error_px, polygons = np.zeros(len(tree.scene)), np.zeros(len(tree.scene))
         error_px[seen.ids] = tree.error_m[seen.ids] * view.camera.focal_px / seen.nearest_m
         polygons[seen.ids] = tree.tree.primitives[seen.ids]
-        nothing = tree.close(view, np.zeros_like(tree.inner))
-        room = self._polygons - float(polygons[tree.front(view, nothing)[0]].sum())
-        more = self._more(polygons)
+        room = self._polygons - float(polygons[tree.coarsest(view)].sum())
+        # What refining each node adds.
+        own = np.where(tree.scene.additive | ~tree.inner, 0.0, polygons)
+        more = tree.fold_empty(tree.sum_children(polygons) - own)
         refined, looked = refine_best_first(tree, view, error_px, more, room)
         ids, detail = tree.front(view, tree.close(view, refined))
         self._drawn.append(float(polygons[ids].sum()))
         work = Work(len(seen.ids), looked * looked.bit_length())
         return Selection(ids, detail, work)
-
-    def _more(self, polygons: FloatArray) -> FloatArray:
-        """Return the polygons that refining each node adds."""
-        tree = self._hierarchy
-        own = np.where(tree.scene.additive | ~tree.inner, 0.0, polygons)
-        return tree.fold_empty(tree.sum_children(polygons) - own)

@@ -60,8 +60,7 @@ class Maciel:
         tree = self._hierarchy
         found = gains(tree, self._costs, view)
         fixed_ms = self._costs.fixed_ms(view)
-        nothing = tree.close(view, np.zeros_like(self._refined))
-        base_ms = fixed_ms + float(found.cost_ms[tree.front(view, nothing)[0]].sum())
+        base_ms = fixed_ms + float(found.cost_ms[tree.coarsest(view)].sum())
         more_ms = tree.fold_empty(found.more_ms)
         # Children that cost nothing are all outside the frustum.
         key = np.full(len(more_ms), np.inf)

@@ -57,9 +57,8 @@ class MasonBlake:
         """Return the front that increments and decrements lead to."""
         tree = self._hierarchy
         found = gains(tree, self._costs, view)
-        nothing = tree.close(view, np.zeros_like(self._refined))
         fixed_ms = self._costs.fixed_ms(view)
-        base_ms = fixed_ms + float(found.cost_ms[tree.front(view, nothing)[0]].sum())
+        base_ms = fixed_ms + float(found.cost_ms[tree.coarsest(view)].sum())
         more_ms, more = tree.fold_empty(found.more_ms), tree.fold_empty(found.more_benefit)
         path_ms, path = _down_paths(tree, more_ms), _down_paths(tree, more)
         fits = path_ms <= self._budget_ms - base_ms

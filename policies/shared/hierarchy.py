@@ -112,6 +112,10 @@ class Hierarchy:
         ids = np.flatnonzero(drawn).astype(np.int32)
         return ids, scene.continuous[ids].astype(np.float64)
 
+    def coarsest(self, view: View) -> IntArray:
+        """Return what is drawn in the frustum where nothing but empty nodes is refined."""
+        return self.front(view, self.close(view, np.zeros_like(self.inner)))[0]
+
 
 class NodeCosts:
     """GPU time of drawing nodes, as the scene's cost model believes.

@@ -109,7 +109,8 @@ class SmoothChoice:
         free = self.respond(0.0)
         if free.cost <= budget:
             return free, free.benefit
-        cheapest = self._coarsest()
+        coarsest: IntArray = np.isfinite(self.cost).sum(axis=1) - 1
+        cheapest = self._sums(coarsest, np.zeros(len(coarsest)))
         if cheapest.cost > budget:
             return cheapest, -np.inf
         # A higher price never buys more, so the side that fits the budget is always `high`.
@@ -128,8 +129,3 @@ class SmoothChoice:
             else:
                 low = middle
         return found, bound
-
-    def _coarsest(self) -> Response:
-        real = np.isfinite(self.cost)
-        column = real.sum(axis=1) - 1
-        return self._sums(column, np.zeros(len(column)))

@@ -171,10 +171,7 @@ def _walk(cost: FloatArray, benefit: FloatArray, column: IntArray, step: int, am
         key[moving] = limit(key[moving], slope[moving])
         price = cost[moving, at[moving] + step] - cost[moving, at[moving]]
         steps.append((moving, key[moving], np.abs(price)))
-        still = np.zeros(len(at), dtype=np.bool_)
-        still[moving] = True
-        at = np.where(still, at + step, at)
-        key[~still] = np.nan
+        at[moving] += step
     if not steps:
         return 0
     owner, keys, price = (np.concatenate(part) for part in zip(*steps, strict=True))
