@@ -1,10 +1,11 @@
 """Foliage whose leaves collapse in pairs and keep the area that they cover."""
 
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import FloatArray, IntArray, freeze
 from ...base.errors import InputError
 from .index_set import ExtractionWork
 
@@ -16,15 +17,12 @@ _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for
 class Leaves:
     """N rectangles, ``center ± along ± across``, two triangles each; (N, 3) float64 in metres."""
 
-    center_m: FloatArray
-    along_m: FloatArray
-    across_m: FloatArray
+    center_m: Annotated[FloatArray, np.float64, "N", 3]
+    along_m: Annotated[FloatArray, np.float64, "N", 3]
+    across_m: Annotated[FloatArray, np.float64, "N", 3]
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            rows = frozen_array(getattr(self, item.name), np.float64, (len(self), 3), item.name)
-            require_finite(rows, f"leaf {item.name}")
-            object.__setattr__(self, item.name, rows)
+        freeze(self, "leaf", N=len(self))
         if len(self) == 0 or not (self.area_m2 > 0.0).all():
             raise InputError("leaves: expected at least one, each with an area")
 
@@ -58,11 +56,10 @@ class Foliage:
     """
 
     leaves: Leaves
-    died: IntArray
+    died: Annotated[IntArray, np.int32, "N"]
 
     def __post_init__(self) -> None:
-        died = frozen_array(self.died, np.int32, (len(self.leaves),), "died")
-        object.__setattr__(self, "died", died)
+        freeze(self, "foliage", N=len(self.leaves))
 
     @property
     def steps(self) -> int:

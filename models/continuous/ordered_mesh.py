@@ -1,10 +1,11 @@
 """The totally ordered mesh: every resolution of a mesh in one vertex and one triangle list."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray, frozen_array
+from ...base.arrays import FloatArray, IntArray, freeze
 from ...base.errors import InputError
 from .collapse import Contraction
 
@@ -14,7 +15,10 @@ class Restart:
     """The triangles after some steps, their corners active there; (T, 3) int32."""
 
     step: int
-    faces: IntArray
+    faces: Annotated[IntArray, np.int32, "T", 3]
+
+    def __post_init__(self) -> None:
+        freeze(self, "restart", T=len(self.faces))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +48,15 @@ class OrderedMesh:
         By step, the first at step 0.
     """
 
-    vertex_source: IntArray
-    face_source: IntArray
-    target: IntArray
-    vertices_after: IntArray
-    faces_after: IntArray
+    vertex_source: Annotated[IntArray, np.int32, "V"]
+    face_source: Annotated[IntArray, np.int32, "F"]
+    target: Annotated[IntArray, np.int32, "V"]
+    vertices_after: Annotated[IntArray, np.int32, "S"]
+    faces_after: Annotated[IntArray, np.int32, "S"]
     restarts: tuple[Restart, ...]
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        for name in ("vertex_source", "face_source", "target", "vertices_after", "faces_after"):
-            values = getattr(self, name)
-            put(self, name, frozen_array(values, np.int32, (len(values),), name))
+        freeze(self, "ordered", V=len(self.target), F=len(self.face_source), S=self.steps + 1)
 
     @property
     def steps(self) -> int:
@@ -125,7 +126,7 @@ def order_mesh(
     target = rank[contraction.target[by_vertex]]
     vertices_after = _active(contraction.vertex_step, contraction.steps)
     faces_after = _active(contraction.face_step, contraction.steps)
-    restarts = [Restart(0, _frozen(rank[drawn[by_face]]))]
+    restarts = [Restart(0, rank[drawn[by_face]])]
     while max_overhead is not None:
         last = restarts[-1]
         over = _overhead(last, target, vertices_after, faces_after) > max_overhead
@@ -135,7 +136,7 @@ def order_mesh(
         step = last.step + int(over.argmax())
         faces = last.faces[: faces_after[step]].copy()
         substitute(faces, target, int(vertices_after[step]))
-        restarts.append(Restart(step, _frozen(faces)))
+        restarts.append(Restart(step, faces))
     return OrderedMesh(by_vertex, by_face, target, vertices_after, faces_after, tuple(restarts))
 
 
@@ -150,10 +151,6 @@ def substitute(faces: IntArray, target: IntArray, active: int) -> int:
         corners[moving] = target[corners[moving]]
         moving = moving[corners[moving] >= active]
     return hops
-
-
-def _frozen(faces: IntArray) -> IntArray:
-    return frozen_array(faces, np.int32, faces.shape, "faces")
 
 
 def _active(step: IntArray, steps: int) -> IntArray:

@@ -6,12 +6,13 @@ each piece by itself, as the thesis does, cannot promise.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray, IntArray, frozen_array
-from ...base.errors import InputError
+from ...base.arrays import FloatArray, IntArray, derive, freeze
+from ...base.errors import require_between
 from ...base.predictors import LEVEL_PREDICTORS
 from ..meshes.geometry import Geometry, LevelMesh
 from ..meshes.level_mesh import level_counts, level_mesh
@@ -42,14 +43,9 @@ class HlodOptions:
     max_levels: int = 8
 
     def __post_init__(self) -> None:
-        if self.desired_triangles < 1:
-            raise InputError(
-                f"desired triangles: expected at least 1, got {self.desired_triangles}"
-            )
-        if not 2 <= self.level_factor <= 16:
-            raise InputError(f"level factor: expected 2 to 16, got {self.level_factor}")
-        if not 1 <= self.max_levels <= 8:
-            raise InputError(f"HLOD levels: expected 1 to 8, got {self.max_levels}")
+        require_between(self.desired_triangles, 1, np.inf, "desired triangles")
+        require_between(self.level_factor, 2, 16, "level factor")
+        require_between(self.max_levels, 1, 8, "HLOD levels")
 
     def targets(self, triangles: int) -> list[float]:
         """Return simplification factors of the levels, coarsest first; the last one is 1.
@@ -89,31 +85,19 @@ class Hlod:
 
     name: str
     meshes: Geometry = field(repr=False)
-    parent: IntArray
-    depth: IntArray
-    counts: FloatArray
-    error_m: FloatArray
-    static_benefit: FloatArray
-    average_normal: FloatArray
-    low_m: FloatArray
-    high_m: FloatArray
+    parent: Annotated[IntArray, np.int32, "N"]
+    depth: Annotated[IntArray, np.int32, "N"]
+    counts: Annotated[FloatArray, np.float64, "N", len(LEVEL_PREDICTORS)]
+    error_m: Annotated[FloatArray, np.float64, "N"]
+    static_benefit: Annotated[FloatArray, np.float64, "N"]
+    average_normal: Annotated[FloatArray, np.float64, "N", 3]
+    low_m: Annotated[FloatArray, np.float64, "N", 3]
+    high_m: Annotated[FloatArray, np.float64, "N", 3]
     bytes: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        n, put = len(self.meshes), object.__setattr__
-        put(self, "bytes", np.array([float(mesh.byte_count) for mesh in self.meshes]))
-        for name, dtype, shape in (
-            ("parent", np.int32, (n,)),
-            ("depth", np.int32, (n,)),
-            ("counts", np.float64, (n, len(LEVEL_PREDICTORS))),
-            ("error_m", np.float64, (n,)),
-            ("static_benefit", np.float64, (n,)),
-            ("average_normal", np.float64, (n, 3)),
-            ("low_m", np.float64, (n, 3)),
-            ("high_m", np.float64, (n, 3)),
-            ("bytes", np.float64, (n,)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"hlod {name}"))
+        freeze(self, "hlod", N=len(self.meshes))
+        derive(self, bytes=np.array([float(mesh.byte_count) for mesh in self.meshes]))
 
 
 def build_hlod(full: SurfaceMesh, options: HlodOptions, sampling: Sampling) -> Hlod:

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import BoolArray, FloatArray, IntArray, freeze, require_finite
 from ...base.errors import InputError
 
 
@@ -42,26 +43,18 @@ class SurfaceMesh:
     """
 
     name: str
-    positions: FloatArray
-    faces: IntArray
-    part: IntArray
-    textured: BoolArray
-    uv: FloatArray
-    uv_index: IntArray
+    positions: Annotated[FloatArray, np.float64, "V", 3]
+    faces: Annotated[IntArray, np.int32, "F", 3]
+    part: Annotated[IntArray, np.int32, "F"]
+    textured: Annotated[BoolArray, np.bool_, "P"]
+    uv: Annotated[FloatArray, np.float64, "U", 2]
+    uv_index: Annotated[IntArray, np.int32, "F", 3]
     texture_bytes: float = 0.0
     dropped: int = 0
 
     def __post_init__(self) -> None:
-        v, f, put = len(self.positions), len(self.faces), object.__setattr__
-        for name, dtype, shape in (
-            ("positions", np.float64, (v, 3)),
-            ("faces", np.int32, (f, 3)),
-            ("part", np.int32, (f,)),
-            ("textured", np.bool_, (len(self.textured),)),
-            ("uv", np.float64, (len(self.uv), 2)),
-            ("uv_index", np.int32, (f, 3)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"mesh {name}"))
+        v, f, p, u = map(len, (self.positions, self.faces, self.textured, self.uv))
+        freeze(self, "mesh", V=v, F=f, P=p, U=u)
 
     @property
     def has_uv(self) -> bool:
