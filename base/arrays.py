@@ -1,7 +1,7 @@
 """Checks that every struct of arrays makes once, on construction.
 
-A struct is a frozen dataclass that declares its arrays as ``Annotated[IntArray, np.int32, "N", 3]``:
-the dtype, then the shape, in which a name stands for a length that the struct knows.
+A struct is a frozen dataclass that declares its arrays: ``Annotated[IntArray, np.int32, "N", 3]``
+gives the dtype, then the shape, in which a name stands for a length that the struct knows.
 """
 
 from collections.abc import Mapping

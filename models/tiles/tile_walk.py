@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ...base.strict_json import decode_json
 from .bounding_volumes import read_volume
 from .implicit_tiling import expand, fill_template, subdivide
@@ -100,10 +100,8 @@ def walk_tileset(path: Path) -> TileTable:
     stack = [_Step(walk.root(here, path), -1, np.eye(4), False, folder, (here,))]
     while stack:
         step = stack.pop()
-        try:
+        with about_file(path):
             stack.extend(reversed(list(walk.visit(step))))
-        except InputError as error:
-            raise InputError(error.message, path=error.path or path) from error
     return walk.table
 
 
