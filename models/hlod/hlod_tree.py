@@ -154,7 +154,7 @@ def _gather(
     benefit: list[float] = []
     normal: list[FloatArray] = []
     for piece in nodes:
-        mesh = level_mesh(piece, piece.positions, piece.faces, piece.part, piece.uv_index)
+        mesh = level_mesh(piece)
         vectors, areas = _area_vectors(piece)
         total = vectors.sum(axis=0)
         length = float(np.linalg.norm(total))

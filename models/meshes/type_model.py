@@ -11,7 +11,10 @@ from ...base.predictors import LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from ..scene.scene import ObjectTypes
 from .geometry import Geometry
+from .level_mesh import level_counts, level_mesh
+from .mesh_error import ErrorMeter, Sampling
 from .silhouette import disc_share
+from .surface_mesh import SurfaceMesh
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,24 @@ class TypeModel:
         center = (points.min(axis=0) + points.max(axis=0)) / 2.0
         radius = float(np.linalg.norm(points - center, axis=1).max())
         derive(self, center_m=center, radius_m=radius)
+
+
+def measure_levels(
+    levels: Sequence[SurfaceMesh], sampling: Sampling, *, continuous: bool = False
+) -> TypeModel:
+    """Return the type of a full mesh and its coarser levels, each measured against it.
+
+    An error is raised to that of the finer level where sampling put it below, as policies count on
+    errors that never fall.
+    """
+    full, *coarser = levels
+    errors = [0.0]
+    if coarser:
+        meter = ErrorMeter(full.positions, full.faces, sampling)
+        errors += [meter.error_m(level.positions, level.faces) for level in coarser]
+    meshes = tuple(level_mesh(level) for level in levels)
+    counts = np.stack([level_counts(*pair) for pair in zip(levels, meshes, strict=True)])
+    return TypeModel(full.name, meshes, counts, np.maximum.accumulate(errors), continuous)
 
 
 def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, derive, freeze, require_finite
 from ...base.errors import InputError
@@ -17,6 +18,14 @@ from ...base.predictors import LEVEL_PREDICTORS
 
 _TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 _SPLATS = LEVEL_PREDICTORS.index("splats")
+
+
+def count_rows(rows: int, **counts: ArrayLike) -> FloatArray:
+    """Return (rows, P) counts by predictor, each one value or (rows,); 0 where none is given."""
+    table = np.zeros((rows, len(LEVEL_PREDICTORS)))
+    for name, values in counts.items():
+        table[:, LEVEL_PREDICTORS.index(name)] = values
+    return table
 
 
 @dataclass(frozen=True, slots=True)

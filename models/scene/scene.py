@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, derive, freeze, require_finite
 from ...base.errors import InputError
@@ -96,6 +97,31 @@ class Scene:
     roots: IntArray = field(init=False)
     child_start: IntArray = field(init=False, repr=False)
     child_ids: IntArray = field(init=False, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        types: ObjectTypes,
+        type_index: IntArray,
+        position_m: FloatArray,
+        *,
+        turn_xyzw: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        scale: ArrayLike = 1.0,
+        importance: ArrayLike = 1.0,
+        parent: ArrayLike = -1,
+        additive: ArrayLike = False,
+        motion: Motion | None = None,
+        cells: Cells | None = None,
+    ) -> "Scene":
+        """Return a scene; one value stands for all nodes, which are upright roots if none is given.
+
+        Raises `InputError` as the scene itself does.
+        """
+        n = len(type_index)
+        turns = np.broadcast_to(turn_xyzw, (n, 4))
+        rest = (np.broadcast_to(given, n) for given in (scale, importance, parent, additive))
+        return cls(name, types, type_index, position_m, turns, *rest, motion, cells)
 
     def __post_init__(self) -> None:
         n = len(self.type_index)

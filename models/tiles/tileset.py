@@ -7,7 +7,6 @@ touches it there: x east, y north, z up.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -115,14 +114,5 @@ def _scene(
         np.arange(n + 1), counts, np.nan_to_num(error), size, np.zeros(n, dtype=np.bool_)
     )
     names = tuple(f"tile-{i}" for i in range(n))
-    still: dict[str, Any] = {"scale": np.ones(n), "importance": np.ones(n)}
-    return Scene(
-        name,
-        ObjectTypes(names, np.zeros((n, 3)), radius, levels),
-        np.arange(n),
-        center,
-        np.broadcast_to((0.0, 0.0, 0.0, 1.0), (n, 4)),
-        parent=np.array(table.parent),
-        additive=np.array(table.additive),
-        **still,
-    )
+    types = ObjectTypes(names, np.zeros((n, 3)), radius, levels)
+    return Scene.of(name, types, np.arange(n), center, parent=table.parent, additive=table.additive)
