@@ -7,7 +7,6 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray, freeze
 from ...base.errors import InputError
-from .index_set import ExtractionWork
 
 _NEIGHBOURS = 6
 _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for anew
@@ -83,16 +82,6 @@ class Foliage:
         step = self.full - count
         born = np.arange(len(self.died)) - self.full
         return np.flatnonzero((born < step) & (self.died >= step)).astype(np.int32)
-
-    def change(self, before: int, after: int) -> ExtractionWork:
-        """Return what bringing an index set from one count of leaves to another takes.
-
-        A leaf that comes writes six indices; one that goes frees their place for it.
-        """
-        old, new = self.extract(before), self.extract(after)
-        come = len(np.setdiff1d(new, old, assume_unique=True))
-        gone = len(np.setdiff1d(old, new, assume_unique=True))
-        return ExtractionWork(2 * (come + gone), 6 * come, come + gone)
 
 
 def collapse_leaves(leaves: Leaves, *, least: int = 1) -> Foliage:

@@ -87,18 +87,6 @@ class OrderedMesh:
         substitute(faces, self.target, int(self.vertices_after[step]))
         return faces
 
-    def traversal_overhead(self) -> FloatArray:
-        """Return extra vertices visited over corners drawn, after each number of steps, (S + 1,).
-
-        A chain of k substitutions visits k vertices besides the one that is drawn.
-        """
-        result = np.empty(self.steps + 1)
-        ends = [*(r.step for r in self.restarts[1:]), self.steps + 1]
-        for restart, end in zip(self.restarts, ends, strict=True):
-            ratio = _overhead(restart, self.target, self.vertices_after, self.faces_after)
-            result[restart.step : end] = ratio[: end - restart.step]
-        return result
-
 
 def order_mesh(
     drawn: IntArray, contraction: Contraction, *, max_overhead: float | None = 1.0 / 3.0
@@ -129,7 +117,7 @@ def order_mesh(
     restarts = [Restart(0, rank[drawn[by_face]])]
     while max_overhead is not None:
         last = restarts[-1]
-        over = _overhead(last, target, vertices_after, faces_after) > max_overhead
+        over = overhead_from(last, target, vertices_after, faces_after) > max_overhead
         if not over.any():
             break
         # A fresh list has no overhead at its own step, so the next one comes later: this ends.
@@ -158,10 +146,12 @@ def _active(step: IntArray, steps: int) -> IntArray:
     return len(step) - np.concatenate(([0], np.cumsum(np.bincount(step, minlength=steps)[:steps])))
 
 
-def _overhead(
+def overhead_from(
     restart: Restart, target: IntArray, vertices_after: IntArray, faces_after: IntArray
 ) -> FloatArray:
     """Return the overhead after each step from a restart list on, (S + 1 - step,).
+
+    Vertices visited over corners drawn, besides the one that is drawn: k of a chain of k links.
 
     A corner's chain is walked link by link; a link counts from the step that removes its vertex
     until the triangle is removed itself.

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ..continuous.splat_tree import SplatTree, splat_levels
-from ..continuous.terrain import TerrainQuadtree, build_terrain
+from ..continuous.terrain import SAMPLE_BYTES, TerrainQuadtree, build_terrain
 from ..meshes.geometry import Geometry
 from ..scene.levels import LevelTable, count_rows
 from ..scene.scene import ObjectTypes, Scene
@@ -104,7 +104,7 @@ def _terrain_types(terrain: TerrainQuadtree) -> tuple[ObjectTypes, IntArray]:
     names, radius, worst = (list(column) for column in zip(*kinds, strict=True))
     n = len(names)
     counts = count_rows(n, draw_calls=1, vertices=terrain.vertices, triangles=terrain.triangles)
-    sizes = np.full(n, 16.0 * terrain.vertices)
+    sizes = np.full(n, SAMPLE_BYTES * terrain.vertices)
     levels = LevelTable(np.arange(n + 1), counts, np.array(worst), sizes, np.zeros(n, np.bool_))
     return ObjectTypes(tuple(names), np.zeros((n, 3)), np.array(radius), levels), kind
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from texture_meter import TextureMeter
 
 from lodbench.models.continuous.knots import OrderedSurface
 from lodbench.models.continuous.ordered_mesh import order_mesh
 from lodbench.models.continuous.texture import DrawnVertices, classify_vertices, contract_textured
-from lodbench.models.continuous.texture_error import TextureMeter
 from lodbench.models.meshes.mesh_error import ErrorMeter, Sampling
 from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
