@@ -130,18 +130,17 @@ def _walk(
     document: Document, roots: list[int], above: FloatArray, *, stop_at_levels: bool
 ) -> Iterator[tuple[int, FloatArray]]:
     """Yield nodes and their transforms, parents first; not below nodes with levels if told so."""
-    tree = set(document.walk(roots))  # refuses cycles
-    stack = [(number, above) for number in reversed(roots)]
-    while stack:
-        number, parent = stack.pop()
+    parents = dict.fromkeys(roots, above)
+    for number in document.walk(roots):
+        if number not in parents:  # below a node with levels
+            continue
         node = document.nodes[number]
-        transform = parent @ _local(node)
+        transform = parents[number] @ _local(node)
         if not np.isfinite(transform).all():
             raise InputError(f"node {number}: expected a finite transform, got another")
         yield number, transform
-        if stop_at_levels and node.extensions.MSFT_lod is not None:
-            continue
-        stack.extend((child, transform) for child in reversed(node.children) if child in tree)
+        if not stop_at_levels or node.extensions.MSFT_lod is None:
+            parents |= dict.fromkeys(node.children, transform)
 
 
 def _local(node: Node) -> FloatArray:

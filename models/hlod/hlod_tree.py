@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...base.arrays import FloatArray, IntArray, derive, freeze
 from ...base.errors import require_between
 from ...base.predictors import LEVEL_PREDICTORS
-from ..meshes.geometry import Geometry, LevelMesh
+from ..meshes.geometry import Geometry
 from ..meshes.level_mesh import level_counts, level_mesh
 from ..meshes.mesh_error import ErrorMeter, Sampling
 from ..meshes.surface_mesh import SurfaceMesh
@@ -73,10 +73,6 @@ class Hlod:
         In the order of `LEVEL_PREDICTORS`.
     error_m : (N,) float64
         That of the whole level, measured against the full mesh.
-    static_benefit : (N,) float64
-        ``sqrt(triangles · Σ area)`` (thesis, section 3.3).
-    average_normal : (N, 3) float64
-        Normals weighted by area, of unit length, or 0 where they cancel.
     low_m, high_m : (N, 3) float64
         Bounding boxes.
     bytes : (N,) float64
@@ -89,8 +85,6 @@ class Hlod:
     depth: Annotated[IntArray, np.int32, "N"]
     counts: Annotated[FloatArray, np.float64, "N", len(LEVEL_PREDICTORS)]
     error_m: Annotated[FloatArray, np.float64, "N"]
-    static_benefit: Annotated[FloatArray, np.float64, "N"]
-    average_normal: Annotated[FloatArray, np.float64, "N", 3]
     low_m: Annotated[FloatArray, np.float64, "N", 3]
     high_m: Annotated[FloatArray, np.float64, "N", 3]
     bytes: FloatArray = field(init=False)
@@ -123,18 +117,14 @@ def _texture_shares(
     full: SurfaceMesh, pieces: list[SurfaceMesh], factor: float
 ) -> NDArray[np.float64]:
     """Return bytes of texture of each node of a level."""
-    areas = np.array(
-        [_area_vectors(piece)[1][piece.textured[piece.part]].sum() for piece in pieces]
-    )
+    areas = np.array([_areas(piece)[piece.textured[piece.part]].sum() for piece in pieces])
     whole = float(areas.sum())
     return areas / whole * full.texture_bytes / factor if whole > 0.0 else np.zeros(len(areas))
 
 
-def _area_vectors(mesh: SurfaceMesh) -> tuple[FloatArray, FloatArray]:
-    """Return normals times area (F, 3), and areas (F,)."""
+def _areas(mesh: SurfaceMesh) -> FloatArray:
     a, b, c = (mesh.positions[mesh.faces[:, i]] for i in range(3))
-    vector: FloatArray = np.cross(b - a, c - a) / 2.0
-    return vector, np.linalg.norm(vector, axis=1)
+    return np.linalg.norm(np.cross(b - a, c - a) / 2.0, axis=1)
 
 
 def _gather(
@@ -149,30 +139,16 @@ def _gather(
     starts = np.cumsum([0, *sizes])
     parents = [np.full(sizes[0], -1)]
     parents += [cells.parent[d] + starts[d - 1] for d in range(1, len(pieces))]
-    meshes: list[LevelMesh] = []
-    counts: list[FloatArray] = []
-    benefit: list[float] = []
-    normal: list[FloatArray] = []
-    for piece in nodes:
-        mesh = level_mesh(piece)
-        vectors, areas = _area_vectors(piece)
-        total = vectors.sum(axis=0)
-        length = float(np.linalg.norm(total))
-        meshes.append(mesh)
-        counts.append(level_counts(piece, mesh))
-        benefit.append(float(np.sqrt(len(piece.faces) * areas.sum())))
-        normal.append(total / length if length > 1e-12 * areas.sum() else np.zeros(3))
-    table = np.stack(counts)
+    meshes = tuple(level_mesh(piece) for piece in nodes)
+    table = np.stack([level_counts(*pair) for pair in zip(nodes, meshes, strict=True)])
     table[:, _TEXTURE_BYTES] = np.concatenate(texture_bytes)
     return Hlod(
         name,
-        tuple(meshes),
+        meshes,
         np.concatenate(parents),
         np.repeat(np.arange(len(pieces)), sizes),
         table,
         np.repeat(errors, sizes),
-        np.array(benefit),
-        np.stack(normal),
         np.stack([piece.positions.min(axis=0) for piece in nodes]),
         np.stack([piece.positions.max(axis=0) for piece in nodes]),
     )

@@ -8,8 +8,6 @@ that is set up.  The province's own heights are not public: these are made of sm
 valleys, and trees stand below the tree line where it is not too steep.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
@@ -109,25 +107,17 @@ def _terrain_types(terrain: TerrainQuadtree) -> tuple[ObjectTypes, IntArray]:
     return ObjectTypes(tuple(names), np.zeros((n, 3)), np.array(radius), levels), kind
 
 
-@dataclass(frozen=True, slots=True)
-class _Kind:
-    """Nodes of the forest that look alike: as many trees in as large a sphere."""
-
-    trees: int
-    radius_m: float
-
-
 def _forest_types(groups: TreeGroups, rng: np.random.Generator) -> tuple[ObjectTypes, IntArray]:
     """Return types of groups by their number of trees and size, and of empty nodes by size."""
     octave = np.ceil(2.0 * np.log2(groups.radius_m)).astype(np.int64)  # sizes 1.4 times apart
     pairs, kind = np.unique(np.stack((groups.trees, octave), 1), axis=0, return_inverse=True)
-    kinds = [_Kind(int(trees), float(2.0 ** (o / 2.0))) for trees, o in pairs.tolist()]
+    kinds = [(trees, 2.0 ** (o / 2.0)) for trees, o in pairs.tolist()]
     tree = _splat_tree(rng)
     tables = {trees: splat_levels(tree, knots=_KNOTS, trees=trees) for trees in range(1, 65)}
     none = LevelTable(np.array([0, 1]), count_rows(1), np.zeros(1), np.zeros(1), np.zeros(1, bool))
-    table = _stack([tables[k.trees] if k.trees else none for k in kinds])
-    names = tuple(f"trees-{k.trees}-{k.radius_m:.0f}m" for k in kinds)
-    radius = np.array([k.radius_m for k in kinds])
+    table = _stack([tables[trees] if trees else none for trees, _ in kinds])
+    names = tuple(f"trees-{trees}-{radius:.0f}m" for trees, radius in kinds)
+    radius = np.array([radius for _, radius in kinds])
     return ObjectTypes(names, np.zeros((len(kinds), 3)), radius, table), kind.ravel()
 
 
