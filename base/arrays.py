@@ -31,7 +31,7 @@ def freeze(struct: Any, label: str, **lengths: int) -> None:
 
     None stays None.  Raises `InputError` as `frozen_array`, or if a value is not finite.
     """
-    for name, (dtype, declared) in declared_arrays(type(struct)).items():
+    for name, (dtype, declared) in declared_arrays(struct.__class__).items():
         values = getattr(struct, name)
         if values is None:
             continue

@@ -54,7 +54,7 @@ def about_file(path: str | Path) -> Generator[None]:
 def require_between(value: float, low: float, high: float, name: str) -> None:
     """Raise InputError unless ``low <= value <= high``; an infinite `high` is no bound."""
     if not low <= value <= high:
-        expected = f"at least {low:g}" if high == float("inf") else f"{low:g} to {high:g}"
+        expected = f"at least {low}" if high == float("inf") else f"{low} to {high}"
         raise InputError(f"{name}: expected {expected}, got {value}")
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray, freeze
-from ...base.errors import InputError
+from ...base.errors import InputError, require_between
 
 _NEIGHBOURS = 6
 _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for anew
@@ -76,8 +76,7 @@ class Foliage:
         Raises `InputError` if the count is not between the fewest and all leaves.
         """
         least = self.full - self.steps
-        if not least <= count <= self.full:
-            raise InputError(f"leaves: expected {least} to {self.full}, got {count}")
+        require_between(count, least, self.full, "leaves")
         # Every step puts one leaf in the place of two, so it takes one off the count.
         step = self.full - count
         born = np.arange(len(self.died)) - self.full
@@ -92,8 +91,7 @@ def collapse_leaves(leaves: Leaves, *, least: int = 1) -> Foliage:
     the leaves.  The new leaf has the area of both, their common centre of area, and the principal
     axes of both.
     """
-    if not 1 <= least <= len(leaves):
-        raise InputError(f"least: expected 1 to {len(leaves)} leaves, got {least}")
+    require_between(least, 1, len(leaves), "least")
     # Each of the N - least collapses makes one leaf: 2 N - least rows in all.
     parts, died, alive = [leaves], np.full(2 * len(leaves) - least, -1), np.arange(len(leaves))
     step = 0

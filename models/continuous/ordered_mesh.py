@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray, freeze
-from ...base.errors import InputError
+from ...base.errors import InputError, require_between
 from .collapse import Contraction
 
 
@@ -71,8 +71,7 @@ class OrderedMesh:
         Raises `InputError` if the number is not between the coarsest and the full mesh's.
         """
         least, full = int(self.faces_after[-1]), int(self.faces_after[0])
-        if not least <= triangles <= full:
-            raise InputError(f"triangles: expected {least} to {full}, got {triangles}")
+        require_between(triangles, least, full, "triangles")
         # Counts fall, and search wants them to rise.
         return int(np.searchsorted(-self.faces_after, -triangles))
 

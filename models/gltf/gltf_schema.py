@@ -80,7 +80,9 @@ class _View(_Struct, frozen=True):
     byte_stride: int | None = None
 
 
-class _Buffer(_Struct, frozen=True):
+class Buffer(_Struct, frozen=True):
+    """Bytes in a file of their own, or, without URI, in the file itself."""
+
     byte_length: int
     uri: str | None = None
 
@@ -97,21 +99,23 @@ class _Scene(_Struct, frozen=True):
     nodes: list[int] = []
 
 
-class _Asset(_Struct, frozen=True):
+class Asset(_Struct, frozen=True):
+    """What a document says about itself."""
+
     version: str
 
 
 class Document(_Struct, frozen=True):
     """The JSON of a glTF file, as far as geometry and levels of detail need it."""
 
-    asset: _Asset
+    asset: Asset
     scene: int | None = None
     scenes: list[_Scene] = []
     nodes: list[Node] = []
     meshes: list[_Mesh] = []
     accessors: list[Accessor] = []
     buffer_views: list[_View] = []
-    buffers: list[_Buffer] = []
+    buffers: list[Buffer] = []
     materials: list[_Material] = []
 
     def roots(self) -> list[int]:

@@ -77,8 +77,9 @@ def place_kinds(
     kind = rng.permutation(np.arange(count) % len(radius_m)).astype(np.int32)
     scale = rng.uniform(1.0 - spread, 1.0 + spread, count)
     yaw = rng.uniform(-np.pi, np.pi, count) if options.random_yaw else np.zeros(count)
-    needs = {"spacing_m": options.spacing_m, "side_m": options.side_m}
-    return kind, place(options.layout, scale * radius_m[kind], rng, **needs), yaw, scale
+    radius, space = scale * radius_m[kind], options.spacing_m
+    plan = place(options.layout, radius, rng, spacing_m=space, side_m=options.side_m)
+    return kind, plan, yaw, scale
 
 
 def scene_of_objects(

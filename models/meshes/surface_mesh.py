@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, freeze, require_finite
 from ...base.errors import InputError
@@ -16,7 +15,7 @@ class MeshPart:
     """Triangles of one material as a file holds them; vertices (v, 3), faces (f, 3), uv (v, 2)."""
 
     vertices: FloatArray
-    faces: NDArray[np.int64]
+    faces: IntArray
     material: int = 0
     textured: bool = False
     uv: FloatArray | None = None
@@ -131,18 +130,17 @@ def clean_surface(
     )
 
 
-def _stack(name: str, parts: Sequence[MeshPart]) -> tuple[FloatArray, NDArray[np.int64]]:
-    offset, stacked = 0, list[NDArray[np.int64]]()
+def _stack(name: str, parts: Sequence[MeshPart]) -> tuple[FloatArray, IntArray]:
+    offset, stacked = 0, list[IntArray]()
     for part in parts:
         count = len(part.vertices)
         if len(part.faces) and (part.faces.min() < 0 or part.faces.max() >= count):
             raise InputError(f"mesh {name}: expected indices of {count} vertices, got others")
         stacked.append(part.faces + offset)
         offset += count
-    faces = np.concatenate(stacked) if stacked else np.empty((0, 3), dtype=np.int64)
-    if len(faces) == 0:
+    if sum(map(len, stacked)) == 0:
         raise InputError(f"mesh {name}: expected at least one triangle, got none")
-    return np.concatenate([p.vertices for p in parts]), faces
+    return np.concatenate([p.vertices for p in parts]), np.concatenate(stacked)
 
 
 def _proper(positions: FloatArray, faces: IntArray) -> BoolArray:

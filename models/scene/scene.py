@@ -119,9 +119,16 @@ class Scene:
         Raises `InputError` as the scene itself does.
         """
         n = len(type_index)
-        turns = np.broadcast_to(turn_xyzw, (n, 4))
-        rest = (np.broadcast_to(given, n) for given in (scale, importance, parent, additive))
-        return cls(name, types, type_index, position_m, turns, *rest, motion, cells)
+        return cls(
+            name,
+            types,
+            type_index,
+            position_m,
+            np.broadcast_to(turn_xyzw, (n, 4)),
+            *(np.broadcast_to(given, n) for given in (scale, importance, parent, additive)),
+            motion=motion,
+            cells=cells,
+        )
 
     def __post_init__(self) -> None:
         n = len(self.type_index)

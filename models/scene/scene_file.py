@@ -7,7 +7,7 @@ mesh algorithms need it.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -30,7 +30,6 @@ SCHEMA = "lodbench.scene/1"
 _HEADER = "scene.json"
 _ADVICE = "build the scene with this version"
 _MAX_DISTANCE_M = 1e9  # squares and products of four such lengths are still far from overflow
-_Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +137,9 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
     return scene
 
 
-def _read(archive: ArrayArchive, group: str, struct: type[Any], *, apart: str = "") -> _Arrays:
+def _read(
+    archive: ArrayArchive, group: str, struct: type[Any], *, apart: str = ""
+) -> dict[str, Any]:
     """Return the arrays of a group as a struct declares them, without the one read apart."""
     declared = declared_arrays(struct).items()
     return {

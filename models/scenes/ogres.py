@@ -123,8 +123,8 @@ def _tree_surface(trunk: OrderedSurface, foliage: Foliage, share: float) -> Surf
     faces, _, _ = trunk.extract(round(share * len(trunk.full.faces)))
     rows = foliage.extract(round(share * foliage.full))
     points, leaves = leaf_triangles(foliage.leaves.at(rows))
-    bark = MeshPart(trunk.full.positions, faces.astype(np.int64), material=0)
-    return clean_surface("tree", [bark, MeshPart(points, leaves.astype(np.int64), material=1)])
+    bark = MeshPart(trunk.full.positions, faces, material=0)
+    return clean_surface("tree", [bark, MeshPart(points, leaves, material=1)])
 
 
 OGRES = BundledScene("3,000 ogres of 1,960 triangles, continuous to 10 %", build_ogres)
