@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import require_between
+from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from ..layouts.scene_builder import scene_of_objects
@@ -34,7 +34,9 @@ def build_crowd(count: int) -> tuple[Scene, Geometry]:
 
     Raises `InputError` if the count is not between 32 and 32,768.
     """
-    require_between(count, SMALLEST_CROWD, LARGEST_CROWD, "crowd: characters")
+    if not SMALLEST_CROWD <= count <= LARGEST_CROWD:
+        sizes = f"{SMALLEST_CROWD} to {LARGEST_CROWD}"
+        raise InputError(f"crowd: expected {sizes} characters, got {count}")
     rng = np.random.default_rng(_SEED)
     side = int(np.ceil(np.sqrt(count)))
     row, column = np.divmod(np.arange(count), side)
