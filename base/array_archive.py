@@ -8,15 +8,15 @@ equal bytes, and no member can declare more than the file holds.  Arrays are ``.
 import io
 import struct
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
+from .errors import InputError, about_file
 from .whole_file import whole_file
 
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -46,41 +46,40 @@ def write_archive(
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", _DATE), buffer.getbuffer())
 
 
-class ArrayArchive:
-    """An archive opened for reading; use it as a context manager.
+@contextmanager
+def open_archive(path: Path) -> Generator["ArrayArchive"]:
+    """Open an archive for reading; an InputError of the block is about this file.
 
     Raises `InputError` if the file is missing, not such an archive, or too large.
     """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    with about_file(path):
         if not path.is_file():
-            raise self._error("a file", "no such file")
+            raise _error("a file", "no such file")
         size = path.stat().st_size
         if size > _MAX_FILE_BYTES:
-            raise self._error("at most 4 GiB", f"{size} bytes")
+            raise _error("at most 4 GiB", f"{size} bytes")
         try:
-            self._zip = zipfile.ZipFile(path)
+            archive = zipfile.ZipFile(path)
         except _DAMAGE as error:
-            raise self._error("a zip archive", f"a damaged or other file ({error})") from error
-        members = self._zip.infolist()
-        if any(info.compress_type != zipfile.ZIP_STORED for info in members):
-            self._zip.close()
-            raise self._error("stored members", "compressed ones")
-        if sum(max(info.file_size, info.compress_size) for info in members) > size:
-            self._zip.close()
-            raise self._error(f"members within the file's {size} bytes", "larger declared sizes")
+            raise _error("a zip archive", f"a damaged or other file ({error})") from error
+        with archive:
+            members = archive.infolist()
+            if any(info.compress_type != zipfile.ZIP_STORED for info in members):
+                raise _error("stored members", "compressed ones")
+            if sum(max(info.file_size, info.compress_size) for info in members) > size:
+                raise _error(f"members within the file's {size} bytes", "larger declared sizes")
+            yield ArrayArchive(archive)
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._zip.close()
+def _error(expected: str, got: str) -> InputError:
+    return InputError(f"expected {expected}, got {got}; build the file anew")
+
+
+class ArrayArchive:
+    """An archive that is open for reading."""
+
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self._zip = archive
 
     def __contains__(self, name: str) -> bool:
         """Whether there is an array of that name."""
@@ -93,7 +92,7 @@ class ArrayArchive:
         """
         data = self._member(name)
         if len(data) > _MAX_HEADER_BYTES:
-            raise self._error(f"{name} of at most 16 MiB", f"{len(data)} bytes")
+            raise _error(f"{name} of at most 16 MiB", f"{len(data)} bytes")
         return data
 
     def array(self, name: str, dtype: type[Any], dimensions: int) -> NDArray[Any]:
@@ -107,10 +106,10 @@ class ArrayArchive:
             version = np.lib.format.read_magic(stream)
             shape, fortran, got = np.lib.format.read_array_header_1_0(stream)
         except (*_DAMAGE, SyntaxError, TypeError) as error:
-            raise self._error(f"{name}.npy in .npy format 1.0", "a damaged header") from error
+            raise _error(f"{name}.npy in .npy format 1.0", "a damaged header") from error
         wanted = np.dtype(dtype).newbyteorder("<")
         if version != (1, 0) or got != wanted or fortran or len(shape) != dimensions:
-            raise self._error(
+            raise _error(
                 f"{name}.npy with {dimensions} dimensions of {wanted.name}",
                 f"{len(shape)} of {got.name}",
             )
@@ -119,18 +118,15 @@ class ArrayArchive:
         for length in shape:  # in Python integers, which do not overflow
             count *= int(length)
         if min(shape, default=0) < 0 or count * wanted.itemsize != len(data):
-            raise self._error(f"{name}.npy of {len(data)} bytes", f"a declared shape of {shape}")
+            raise _error(f"{name}.npy of {len(data)} bytes", f"a declared shape of {shape}")
         if dtype is np.bool_ and np.frombuffer(data, dtype=np.uint8).max(initial=0) > 1:
-            raise self._error(f"{name}.npy of bytes 0 and 1", "others")
+            raise _error(f"{name}.npy of bytes 0 and 1", "others")
         return np.frombuffer(data, dtype=wanted).reshape(shape)
 
     def _member(self, name: str) -> bytes:
         if name not in self._zip.NameToInfo:
-            raise self._error(f"a member {name}", "none")
+            raise _error(f"a member {name}", "none")
         try:
             return self._zip.read(name)
         except _DAMAGE as error:
-            raise self._error(f"an intact {name}", f"a damaged one ({error})") from error
-
-    def _error(self, expected: str, got: str) -> InputError:
-        return InputError(f"expected {expected}, got {got}; build the file anew", path=self.path)
+            raise _error(f"an intact {name}", f"a damaged one ({error})") from error

@@ -1,6 +1,12 @@
-"""Checks that every struct of arrays makes once, on construction."""
+"""Checks that every struct of arrays makes once, on construction.
 
-from collections.abc import Callable, Sequence
+A struct is a frozen dataclass that declares its arrays: ``Annotated[IntArray, np.int32, "N", 3]``
+gives the dtype, then the shape, in which a name stands for a length that the struct knows.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,6 +18,43 @@ from .errors import InputError
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.integer[Any]]
 BoolArray: TypeAlias = NDArray[np.bool_]
+
+
+@cache
+def declared_arrays(struct: type[Any]) -> dict[str, tuple[type[Any], tuple[str | int, ...]]]:
+    """Return dtype and shape of each array that a struct declares, by name, in order."""
+    declared = {field.name: getattr(field.type, "__metadata__", ()) for field in fields(struct)}
+    return {name: (given[0], given[1:]) for name, given in declared.items() if given}
+
+
+def freeze(struct: Any, label: str, **lengths: int) -> None:
+    """Make the declared arrays of a struct what it declares: read-only, of its dtypes and shapes.
+
+    None stays None.  Raises `InputError` as `frozen_array`, or if a value is not finite.
+    """
+    for name, (dtype, declared) in declared_arrays(struct.__class__).items():
+        values = getattr(struct, name)
+        if values is None:
+            continue
+        shape = tuple(_length(at, lengths) for at in declared)
+        array = frozen_array(values, dtype, shape, f"{label} {name}")
+        if array.dtype.kind == "f":
+            require_finite(array, f"{label} {name}")
+        object.__setattr__(struct, name, array)
+
+
+def _length(declared: str | int, lengths: Mapping[str, int]) -> int:
+    """Return a length of a shape: a number, a name, or a name and one more, as ``N + 1``."""
+    name, _, more = str(declared).partition(" + ")
+    return lengths[name] + int(more or 0) if name in lengths else int(name)
+
+
+def derive(struct: Any, **values: Any) -> None:
+    """Set derived fields of a frozen dataclass; fresh arrays become read-only as they are."""
+    for name, value in values.items():
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+        object.__setattr__(struct, name, value)
 
 
 def frozen_array(

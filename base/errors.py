@@ -10,6 +10,8 @@ A message says what was expected, what was found, where, and what to do.
 """
 
 import re
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -36,6 +38,24 @@ class InputError(LodbenchError):
         where = "" if self.path is None else f"{self.path}:"
         where += "" if self.line is None else f"{self.line}:"
         return f"{where} {self.message}".strip()
+
+
+@contextmanager
+def about_file(path: str | Path) -> Generator[None]:
+    """Name the file in every InputError of the block that names none."""
+    try:
+        yield
+    except InputError as error:
+        if error.path is not None:
+            raise
+        raise InputError(error.message, path=path, line=error.line) from error
+
+
+def require_between(value: float, low: float, high: float, name: str) -> None:
+    """Raise InputError unless ``low <= value <= high``; an infinite `high` is no bound."""
+    if not low <= value <= high:
+        expected = f"at least {low}" if high == float("inf") else f"{low} to {high}"
+        raise InputError(f"{name}: expected {expected}, got {value}")
 
 
 class PolicyError(LodbenchError):

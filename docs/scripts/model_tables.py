@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from index_set import ExtractionWork, IndexSet
+from texture_meter import TextureMeter
 
-from lodbench.models.continuous.index_set import ExtractionWork, IndexSet
+from lodbench.base.arrays import FloatArray
 from lodbench.models.continuous.knots import OrderedSurface
-from lodbench.models.continuous.ordered_mesh import OrderedMesh
-from lodbench.models.continuous.texture_error import TextureMeter
+from lodbench.models.continuous.ordered_mesh import OrderedMesh, overhead_from
 from lodbench.models.meshes.mesh_error import ErrorMeter, Sampling
 from lodbench.models.meshes.simplify import simplify_surface
 from lodbench.models.meshes.surface_mesh import SurfaceMesh
@@ -69,9 +70,22 @@ def memory_of(ordered: OrderedMesh) -> Memory:
     )
 
 
+def traversal_overhead(mesh: OrderedMesh) -> FloatArray:
+    """Return extra vertices visited over corners drawn, after each number of steps, (S + 1,).
+
+    A chain of k substitutions visits k vertices besides the one that is drawn.
+    """
+    result = np.empty(mesh.steps + 1)
+    ends = [*(restart.step for restart in mesh.restarts[1:]), mesh.steps + 1]
+    for restart, end in zip(mesh.restarts, ends, strict=True):
+        ratio = overhead_from(restart, mesh.target, mesh.vertices_after, mesh.faces_after)
+        result[restart.step : end] = ratio[: end - restart.step]
+    return result
+
+
 def overhead_at(ordered: OrderedMesh, resolutions: Sequence[float]) -> list[float]:
     """Return the traversal overhead at shares of the full triangle count."""
-    full, overhead = int(ordered.faces_after[0]), ordered.traversal_overhead()
+    full, overhead = int(ordered.faces_after[0]), traversal_overhead(ordered)
     return [float(overhead[ordered.step_of(round(share * full))]) for share in resolutions]
 
 

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array
+from ...base.arrays import BoolArray, FloatArray, IntArray, freeze
 from .quadrics import point_monomials, surface_quadrics
 
 _Candidate: TypeAlias = tuple[float, int, int, int, int]
@@ -32,14 +32,12 @@ class Contraction:
     """
 
     steps: int
-    vertex_step: IntArray
-    target: IntArray
-    face_step: IntArray
+    vertex_step: Annotated[IntArray, np.int32, "V"]
+    target: Annotated[IntArray, np.int32, "V"]
+    face_step: Annotated[IntArray, np.int32, "F"]
 
     def __post_init__(self) -> None:
-        v, f, put = len(self.vertex_step), len(self.face_step), object.__setattr__
-        for name, size in (("vertex_step", v), ("target", v), ("face_step", f)):
-            put(self, name, frozen_array(getattr(self, name), np.int32, (size,), name))
+        freeze(self, "contraction", V=len(self.vertex_step), F=len(self.face_step))
 
 
 def contract(

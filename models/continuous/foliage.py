@@ -1,12 +1,12 @@
 """Foliage whose leaves collapse in pairs and keep the area that they cover."""
 
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
-from ...base.errors import InputError
-from .index_set import ExtractionWork
+from ...base.arrays import FloatArray, IntArray, freeze
+from ...base.errors import InputError, require_between
 
 _NEIGHBOURS = 6
 _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for anew
@@ -16,15 +16,12 @@ _SHARE_OF_ROUND = 0.25  # of the leaves, at most; then neighbours are looked for
 class Leaves:
     """N rectangles, ``center ± along ± across``, two triangles each; (N, 3) float64 in metres."""
 
-    center_m: FloatArray
-    along_m: FloatArray
-    across_m: FloatArray
+    center_m: Annotated[FloatArray, np.float64, "N", 3]
+    along_m: Annotated[FloatArray, np.float64, "N", 3]
+    across_m: Annotated[FloatArray, np.float64, "N", 3]
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            rows = frozen_array(getattr(self, item.name), np.float64, (len(self), 3), item.name)
-            require_finite(rows, f"leaf {item.name}")
-            object.__setattr__(self, item.name, rows)
+        freeze(self, "leaf", N=len(self))
         if len(self) == 0 or not (self.area_m2 > 0.0).all():
             raise InputError("leaves: expected at least one, each with an area")
 
@@ -58,11 +55,10 @@ class Foliage:
     """
 
     leaves: Leaves
-    died: IntArray
+    died: Annotated[IntArray, np.int32, "N"]
 
     def __post_init__(self) -> None:
-        died = frozen_array(self.died, np.int32, (len(self.leaves),), "died")
-        object.__setattr__(self, "died", died)
+        freeze(self, "foliage", N=len(self.leaves))
 
     @property
     def steps(self) -> int:
@@ -80,22 +76,11 @@ class Foliage:
         Raises `InputError` if the count is not between the fewest and all leaves.
         """
         least = self.full - self.steps
-        if not least <= count <= self.full:
-            raise InputError(f"leaves: expected {least} to {self.full}, got {count}")
+        require_between(count, least, self.full, "leaves")
         # Every step puts one leaf in the place of two, so it takes one off the count.
         step = self.full - count
         born = np.arange(len(self.died)) - self.full
         return np.flatnonzero((born < step) & (self.died >= step)).astype(np.int32)
-
-    def change(self, before: int, after: int) -> ExtractionWork:
-        """Return what bringing an index set from one count of leaves to another takes.
-
-        A leaf that comes writes six indices; one that goes frees their place for it.
-        """
-        old, new = self.extract(before), self.extract(after)
-        come = len(np.setdiff1d(new, old, assume_unique=True))
-        gone = len(np.setdiff1d(old, new, assume_unique=True))
-        return ExtractionWork(2 * (come + gone), 6 * come, come + gone)
 
 
 def collapse_leaves(leaves: Leaves, *, least: int = 1) -> Foliage:
@@ -106,8 +91,7 @@ def collapse_leaves(leaves: Leaves, *, least: int = 1) -> Foliage:
     the leaves.  The new leaf has the area of both, their common centre of area, and the principal
     axes of both.
     """
-    if not 1 <= least <= len(leaves):
-        raise InputError(f"least: expected 1 to {len(leaves)} leaves, got {least}")
+    require_between(least, 1, len(leaves), "least")
     # Each of the N - least collapses makes one leaf: 2 N - least rows in all.
     parts, died, alive = [leaves], np.full(2 * len(leaves) - least, -1), np.arange(len(leaves))
     step = 0

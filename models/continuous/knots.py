@@ -1,16 +1,15 @@
 """Continuous types from ordered meshes: knots of resolution with measured errors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
+from ...base.errors import require_between
 from ..meshes.attributes import carry_uv
-from ..meshes.level_mesh import level_counts, level_mesh
-from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import SurfaceMesh
-from ..meshes.type_model import TypeModel
+from ..meshes.type_model import TypeModel, measure_levels
 from .collapse import contract
 from .ordered_mesh import OrderedMesh, order_mesh
 from .texture import DrawnVertices, contract_textured
@@ -36,10 +35,8 @@ class KnotOptions:
     keep_texture: bool = False
 
     def __post_init__(self) -> None:
-        if not 2 <= self.knots <= 256:
-            raise InputError(f"knots: expected 2 to 256, got {self.knots}")
-        if self.min_triangles < 1:
-            raise InputError(f"min_triangles: expected at least 1, got {self.min_triangles}")
+        require_between(self.knots, 2, 256, "knots")
+        require_between(self.min_triangles, 1, np.inf, "min_triangles")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,21 +79,12 @@ class OrderedSurface:
 def build_continuous(
     surface: OrderedSurface, options: KnotOptions, sampling: Sampling
 ) -> TypeModel:
-    """Return the knots of an ordered surface, each extracted from it and measured against it.
-
-    The error of a knot is measured, then raised to that of the finer knot if it is below.
-    """
-    full = surface.full
-    meter = ErrorMeter(full.positions, full.faces, sampling)
-    meshes = [level_mesh(full, full.positions, full.faces, full.part, full.uv_index)]
-    errors = [0.0]
+    """Return the knots of an ordered surface, each extracted from it and measured against it."""
+    levels = [surface.full]
     for count in _knot_counts(surface.ordered, options)[1:]:
         faces, part, uv_index = surface.extract(int(count))
-        meshes.append(level_mesh(full, full.positions, faces, part, uv_index))
-        # Sampling may find a coarser knot nearer than a finer one; see the docstring.
-        errors.append(max(errors[-1], meter.error_m(full.positions, faces)))
-    counts = np.stack([level_counts(full, mesh) for mesh in meshes])
-    return TypeModel(full.name, tuple(meshes), counts, np.array(errors), continuous=True)
+        levels.append(replace(surface.full, faces=faces, part=part, uv_index=uv_index))
+    return measure_levels(levels, sampling, continuous=True)
 
 
 def _knot_counts(ordered: OrderedMesh, options: KnotOptions) -> IntArray:

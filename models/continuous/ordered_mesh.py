@@ -1,11 +1,12 @@
 """The totally ordered mesh: every resolution of a mesh in one vertex and one triangle list."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray, frozen_array
-from ...base.errors import InputError
+from ...base.arrays import FloatArray, IntArray, freeze
+from ...base.errors import InputError, require_between
 from .collapse import Contraction
 
 
@@ -14,7 +15,10 @@ class Restart:
     """The triangles after some steps, their corners active there; (T, 3) int32."""
 
     step: int
-    faces: IntArray
+    faces: Annotated[IntArray, np.int32, "T", 3]
+
+    def __post_init__(self) -> None:
+        freeze(self, "restart", T=len(self.faces))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +48,15 @@ class OrderedMesh:
         By step, the first at step 0.
     """
 
-    vertex_source: IntArray
-    face_source: IntArray
-    target: IntArray
-    vertices_after: IntArray
-    faces_after: IntArray
+    vertex_source: Annotated[IntArray, np.int32, "V"]
+    face_source: Annotated[IntArray, np.int32, "F"]
+    target: Annotated[IntArray, np.int32, "V"]
+    vertices_after: Annotated[IntArray, np.int32, "S"]
+    faces_after: Annotated[IntArray, np.int32, "S"]
     restarts: tuple[Restart, ...]
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        for name in ("vertex_source", "face_source", "target", "vertices_after", "faces_after"):
-            values = getattr(self, name)
-            put(self, name, frozen_array(values, np.int32, (len(values),), name))
+        freeze(self, "ordered", V=len(self.target), F=len(self.face_source), S=self.steps + 1)
 
     @property
     def steps(self) -> int:
@@ -70,8 +71,7 @@ class OrderedMesh:
         Raises `InputError` if the number is not between the coarsest and the full mesh's.
         """
         least, full = int(self.faces_after[-1]), int(self.faces_after[0])
-        if not least <= triangles <= full:
-            raise InputError(f"triangles: expected {least} to {full}, got {triangles}")
+        require_between(triangles, least, full, "triangles")
         # Counts fall, and search wants them to rise.
         return int(np.searchsorted(-self.faces_after, -triangles))
 
@@ -85,18 +85,6 @@ class OrderedMesh:
         faces = self.restart_at(step).faces[: self.faces_after[step]].copy()
         substitute(faces, self.target, int(self.vertices_after[step]))
         return faces
-
-    def traversal_overhead(self) -> FloatArray:
-        """Return extra vertices visited over corners drawn, after each number of steps, (S + 1,).
-
-        A chain of k substitutions visits k vertices besides the one that is drawn.
-        """
-        result = np.empty(self.steps + 1)
-        ends = [*(r.step for r in self.restarts[1:]), self.steps + 1]
-        for restart, end in zip(self.restarts, ends, strict=True):
-            ratio = _overhead(restart, self.target, self.vertices_after, self.faces_after)
-            result[restart.step : end] = ratio[: end - restart.step]
-        return result
 
 
 def order_mesh(
@@ -125,17 +113,17 @@ def order_mesh(
     target = rank[contraction.target[by_vertex]]
     vertices_after = _active(contraction.vertex_step, contraction.steps)
     faces_after = _active(contraction.face_step, contraction.steps)
-    restarts = [Restart(0, _frozen(rank[drawn[by_face]]))]
+    restarts = [Restart(0, rank[drawn[by_face]])]
     while max_overhead is not None:
         last = restarts[-1]
-        over = _overhead(last, target, vertices_after, faces_after) > max_overhead
+        over = overhead_from(last, target, vertices_after, faces_after) > max_overhead
         if not over.any():
             break
         # A fresh list has no overhead at its own step, so the next one comes later: this ends.
         step = last.step + int(over.argmax())
         faces = last.faces[: faces_after[step]].copy()
         substitute(faces, target, int(vertices_after[step]))
-        restarts.append(Restart(step, _frozen(faces)))
+        restarts.append(Restart(step, faces))
     return OrderedMesh(by_vertex, by_face, target, vertices_after, faces_after, tuple(restarts))
 
 
@@ -152,19 +140,17 @@ def substitute(faces: IntArray, target: IntArray, active: int) -> int:
     return hops
 
 
-def _frozen(faces: IntArray) -> IntArray:
-    return frozen_array(faces, np.int32, faces.shape, "faces")
-
-
 def _active(step: IntArray, steps: int) -> IntArray:
     """Return how many are left after 0 to `steps` steps."""
     return len(step) - np.concatenate(([0], np.cumsum(np.bincount(step, minlength=steps)[:steps])))
 
 
-def _overhead(
+def overhead_from(
     restart: Restart, target: IntArray, vertices_after: IntArray, faces_after: IntArray
 ) -> FloatArray:
     """Return the overhead after each step from a restart list on, (S + 1 - step,).
+
+    Vertices visited over corners drawn, besides the one that is drawn: k of a chain of k links.
 
     A corner's chain is walked link by link; a link counts from the step that removes its vertex
     until the triangle is removed itself.

@@ -6,8 +6,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
 from ...base.errors import InputError
-from ...base.predictors import LEVEL_PREDICTORS
-from ..scene.levels import LevelTable
+from ..scene.levels import LevelTable, count_rows
 
 _SPLAT_BYTES = 16.0  # position and radius, float32
 
@@ -131,9 +130,7 @@ def splat_levels(tree: SplatTree, *, knots: int = 12, trees: int = 1) -> LevelTa
     if knots < 2 or trees < 1:
         raise InputError(f"expected at least 2 knots and 1 tree, got {knots} and {trees}")
     budgets = np.unique(np.geomspace(1, len(tree), knots).round().astype(np.int64))[::-1]
-    counts = np.zeros((len(budgets), len(LEVEL_PREDICTORS)))
-    counts[:, LEVEL_PREDICTORS.index("draw_calls")] = trees
-    counts[:, LEVEL_PREDICTORS.index("splats")] = trees * budgets
+    counts = count_rows(len(budgets), draw_calls=trees, splats=trees * budgets)
     errors = [tree.error_m(tree.draw(int(budget))) for budget in budgets]
     return LevelTable(
         np.array([0, len(budgets)]),

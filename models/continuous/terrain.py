@@ -6,11 +6,9 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray, require_finite
 from ...base.errors import InputError
-from ...base.predictors import LEVEL_PREDICTORS
-from ..scene.levels import LevelTable
-from ..scene.scene import ObjectTypes, Scene
 
-_SAMPLE_BYTES = 16.0  # height and normal, float32; patches of one size share their indices
+SAMPLE_BYTES = 16.0
+"""Height and normal of a vertex, float32; patches of one size share their indices."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,41 +89,6 @@ def build_terrain(height_m: FloatArray, cell_m: float, *, patch: int = 32) -> Te
         np.concatenate([layer[0] for layer in layers]),
         np.concatenate([layer[1] for layer in layers]),
         np.concatenate([error.ravel() for error in errors]),
-    )
-
-
-def terrain_scene(name: str, terrain: TerrainQuadtree) -> Scene:
-    """Return the quadtree as a scene: a node and a type of one level for each patch.
-
-    A type each, as bounds and errors differ from patch to patch.  Policies of hierarchies find in
-    it what they need; Zach's benefit of a patch is that of its screen size and height in the tree.
-    """
-    n = len(terrain.parent)
-    values = {
-        "draw_calls": 1.0,
-        "vertices": float(terrain.vertices),
-        "triangles": float(terrain.triangles),
-    }
-    row = np.array([values.get(predictor, 0.0) for predictor in LEVEL_PREDICTORS])
-    levels = LevelTable(
-        np.arange(n + 1),
-        np.tile(row, (n, 1)),
-        terrain.error_m,
-        np.full(n, _SAMPLE_BYTES * terrain.vertices),
-        np.zeros(n, dtype=np.bool_),
-    )
-    names = tuple(f"patch-{i}" for i in range(n))
-    upright = np.tile((0.0, 0.0, 0.0, 1.0), (n, 1))
-    return Scene(
-        name,
-        ObjectTypes(names, np.zeros((n, 3)), terrain.radius_m, levels),
-        np.arange(n),
-        terrain.center_m,
-        upright,
-        np.ones(n),
-        np.ones(n),
-        terrain.parent,
-        np.zeros(n, dtype=np.bool_),
     )
 
 

@@ -34,20 +34,11 @@ class DrawnVertices:
         return cls(corner.reshape(-1, 3).astype(np.int32), *rows.T.astype(np.int32))
 
 
-@dataclass(frozen=True, slots=True)
-class VertexClasses:
-    """Peng's three classes of positions, each (V,) bool; every position is in exactly one."""
+def fixed_positions(mesh: SurfaceMesh, drawn: DrawnVertices) -> BoolArray:
+    """Return which positions never move, (V,).
 
-    fixed: BoolArray
-    companioned: BoolArray
-    regular: BoolArray
-
-
-def classify_vertices(mesh: SurfaceMesh, drawn: DrawnVertices) -> VertexClasses:
-    """Return which positions never move, move with their companion, or move freely.
-
-    Fixed are positions on a border of the surface and those of three or more drawn vertices;
-    companioned have two, regular have one.
+    These are positions on a border of the surface and those of three or more drawn vertices.  Of
+    the others, those of two are companioned, and those of one are regular.
 
     Source: Peng, Park and Cao, "A real-time system of crowd rendering: parallel LOD and
     texture-preserving approach on GPU" (2011), section 4.2.
@@ -58,8 +49,7 @@ def classify_vertices(mesh: SurfaceMesh, drawn: DrawnVertices) -> VertexClasses:
     pairs, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     border = np.zeros(len(mesh.positions), dtype=np.bool_)
     border[pairs[count == 1]] = True
-    fixed = border | (split > 2)
-    return VertexClasses(fixed, ~fixed & (split == 2), ~fixed & (split == 1))
+    return border | (split > 2)
 
 
 def contract_textured(
@@ -73,6 +63,6 @@ def contract_textured(
     animation; else that of the mesh as it stands.
     """
     drawn = DrawnVertices.of(mesh)
-    classes = classify_vertices(mesh, drawn)
+    fixed = fixed_positions(mesh, drawn)
     shapes = mesh.positions[None] if poses is None else poses
-    return drawn, contract(shapes, mesh.faces, drawn=drawn.corner, fixed=classes.fixed)
+    return drawn, contract(shapes, mesh.faces, drawn=drawn.corner, fixed=fixed)

@@ -5,6 +5,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import count_rows
 from .gltf_schema import TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, Document, Primitive, pick
 
 _MAX_COUNT = 1 << 31
@@ -38,15 +39,14 @@ def _count(document: Document, part: Primitive) -> FloatArray:
         part.mode, 0
     )
     textured = "TEXCOORD_0" in part.attributes and document.has_texture(part.material)
-    skinned = "JOINTS_0" in part.attributes
-    values = {
-        "draw_calls": 1,
-        "vertices": vertices,
-        "triangles": triangles,
-        "skinned_vertices": vertices if skinned else 0,
-        "textured_triangles": triangles if textured else 0,
-    }
-    return np.array([float(values.get(name, 0)) for name in LEVEL_PREDICTORS])
+    return count_rows(
+        1,
+        draw_calls=1,
+        vertices=vertices,
+        triangles=triangles,
+        skinned_vertices=vertices if "JOINTS_0" in part.attributes else 0,
+        textured_triangles=triangles if textured else 0,
+    )[0]
 
 
 def _counted(document: Document, accessor: int | None) -> int:

@@ -4,7 +4,6 @@ Khronos, "glTF 2.0 specification", sections 3 (JSON), 4 (GLB).
 """
 
 import base64
-import binascii
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -12,7 +11,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ...base.strict_json import decode_json
 from .gltf_schema import Document, pick
 
@@ -76,7 +75,7 @@ class Gltf:
         if head.startswith("data:"):
             try:
                 return base64.b64decode(text, validate=True)
-            except binascii.Error as error:
+            except ValueError as error:  # binascii's is one; another tells of other than ASCII
                 raise InputError(f"buffer {number}: expected base64, got {error}") from error
         if self._folder is None:
             raise InputError(f"buffer {number}: expected one inside the file, got {buffer.uri!r}")
@@ -94,13 +93,9 @@ def read_gltf(path: Path) -> Gltf:
     Raises `InputError` if it is missing, damaged, too large, or not glTF 2.0.
     """
     data = _read(path)
-    try:
-        if data[:4] == b"glTF":
-            document, binary = parse_glb(data)
-            return Gltf(document, binary, path.parent)
-        return Gltf(_decode(data), b"", path.parent)
-    except InputError as error:
-        raise InputError(error.message, path=path) from error
+    with about_file(path):
+        document, binary = parse_glb(data) if data[:4] == b"glTF" else (_decode(data), b"")
+        return Gltf(document, binary, path.parent)
 
 
 def _read(path: Path) -> bytes:

@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ..meshes.geometry import Geometry
-from ..meshes.level_mesh import level_counts, level_mesh
-from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
-from ..meshes.type_model import TypeModel, gather_types
+from ..meshes.type_model import TypeModel, gather_types, measure_levels
+from ..scene.rotation import rotation_matrix
 from ..scene.scene import Scene
 from ..scene.scene_file import SceneOrigin
 from .gltf_file import Gltf, read_gltf
-from .gltf_schema import TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, Document, Node, Primitive
+from .gltf_schema import TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, Document, Node, Primitive, pick
 
 _Y_UP = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))  # glTF's axes as ours
 _MAX_LEVELS = 32
@@ -66,11 +66,8 @@ def read_gltf_scene(
     triangles; or if the levels of a node are not ever coarser.
     """
     gltf = read_gltf(path)
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            return _read(gltf, path, sampling or Sampling())
-    except InputError as error:
-        raise InputError(error.message, path=error.path or path) from error
+    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
+        return _read(gltf, path, sampling or Sampling())
 
 
 def _read(gltf: Gltf, path: Path, sampling: Sampling) -> tuple[Scene, Geometry, SceneOrigin]:
@@ -86,18 +83,8 @@ def _read(gltf: Gltf, path: Path, sampling: Sampling) -> tuple[Scene, Geometry, 
     if not objects:
         raise InputError("expected a node with a mesh, got none")
     types, geometry = gather_types(models)
-    n = len(objects)
-    scene = Scene(
-        path.stem,
-        types,
-        np.array(type_index),
-        np.stack([_Y_UP @ thing.transform[:3, 3] for thing in objects]),
-        np.broadcast_to((0.0, 0.0, 0.0, 1.0), (n, 4)),
-        np.ones(n),
-        np.ones(n),
-        np.full(n, -1),
-        np.zeros(n, dtype=np.bool_),
-    )
+    position = np.stack([_Y_UP @ thing.transform[:3, 3] for thing in objects])
+    scene = Scene.of(path.stem, types, np.array(type_index), position)
     chains = sum(len(thing.levels) > 1 for thing in objects)
     return scene, geometry, SceneOrigin("gltf", (path.name,), {"objects_with_levels": chains})
 
@@ -110,7 +97,7 @@ def _objects(document: Document) -> Iterator[_Object]:
         lod = node.extensions.MSFT_lod
         if lod is None and node.mesh is None:
             continue
-        ids = [] if lod is None else lod.ids
+        ids = node.coarser
         count += 1
         if len(ids) >= _MAX_LEVELS or count > _MAX_OBJECTS:
             raise InputError(
@@ -130,35 +117,30 @@ def _objects(document: Document) -> Iterator[_Object]:
 
 
 def _mesh_name(document: Document, node: Node) -> str:
-    known = node.mesh is not None and 0 <= node.mesh < len(document.meshes)
-    return document.meshes[node.mesh].name if known and node.mesh is not None else ""
+    return "" if node.mesh is None else pick(document.meshes, node.mesh, "meshes").name
 
 
 def _meshes_below(document: Document, number: int, inverse: FloatArray) -> tuple[_Placed, ...]:
-    found: list[_Placed] = []
-    for below, transform in _walk(document, [number], inverse, stop_at_levels=False):
-        mesh = document.nodes[below].mesh
-        if mesh is not None:
-            found.append(_Placed(mesh, transform))
-    return tuple(found)
+    walk = _walk(document, [number], inverse, stop_at_levels=False)
+    meshes = ((document.nodes[below].mesh, transform) for below, transform in walk)
+    return tuple(_Placed(mesh, transform) for mesh, transform in meshes if mesh is not None)
 
 
 def _walk(
     document: Document, roots: list[int], above: FloatArray, *, stop_at_levels: bool
 ) -> Iterator[tuple[int, FloatArray]]:
     """Yield nodes and their transforms, parents first; not below nodes with levels if told so."""
-    tree = set(document.walk(roots))  # refuses cycles
-    stack = [(number, above) for number in reversed(roots)]
-    while stack:
-        number, parent = stack.pop()
+    parents = dict.fromkeys(roots, above)
+    for number in document.walk(roots):
+        if number not in parents:  # below a node with levels
+            continue
         node = document.nodes[number]
-        transform = parent @ _local(node)
+        transform = parents[number] @ _local(node)
         if not np.isfinite(transform).all():
             raise InputError(f"node {number}: expected a finite transform, got another")
         yield number, transform
-        if stop_at_levels and node.extensions.MSFT_lod is not None:
-            continue
-        stack.extend((child, transform) for child in reversed(node.children) if child in tree)
+        if not stop_at_levels or node.extensions.MSFT_lod is None:
+            parents |= dict.fromkeys(node.children, transform)
 
 
 def _local(node: Node) -> FloatArray:
@@ -167,16 +149,9 @@ def _local(node: Node) -> FloatArray:
         if len(node.matrix) != 16:
             raise InputError(f"matrix: expected 16 numbers, got {len(node.matrix)}")
         return np.array(node.matrix).reshape(4, 4).T
-    x, y, z, w = np.array(node.rotation) / max(float(np.linalg.norm(node.rotation)), 1e-300)
-    turn = np.array(
-        (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-        )
-    )
+    unit = np.array(node.rotation) / max(float(np.linalg.norm(node.rotation)), 1e-300)
     result = np.eye(4)
-    result[:3, :3] = turn * node.scale
+    result[:3, :3] = rotation_matrix(unit) * node.scale
     result[:3, 3] = node.translation
     return result
 
@@ -197,15 +172,7 @@ def _model(gltf: Gltf, thing: _Object, sampling: Sampling) -> TypeModel:
     surfaces = [_surface(gltf, thing.name, level, linear) for level in thing.levels]
     if not surfaces:
         raise InputError(f"{thing.name}: expected a mesh in its levels, got none")
-    full, errors = surfaces[0], [0.0]
-    if len(surfaces) > 1:
-        meter = ErrorMeter(full.positions, full.faces, sampling)
-        for coarse in surfaces[1:]:
-            error = meter.error_m(coarse.positions, coarse.faces)
-            errors.append(max(errors[-1], error))
-    meshes = tuple(level_mesh(s, s.positions, s.faces, s.part, s.uv_index) for s in surfaces)
-    counts = np.stack([level_counts(s, m) for s, m in zip(surfaces, meshes, strict=True)])
-    return TypeModel(thing.name, meshes, counts, np.array(errors))
+    return measure_levels(surfaces, sampling)
 
 
 def _surface(gltf: Gltf, name: str, level: Sequence[_Placed], linear: FloatArray) -> SurfaceMesh:
@@ -218,9 +185,7 @@ def _surface(gltf: Gltf, name: str, level: Sequence[_Placed], linear: FloatArray
 def _parts(gltf: Gltf, placed: _Placed, matrix: FloatArray) -> Iterator[MeshPart]:
     """Yield the triangles of a mesh, placed by a (3, 4) matrix."""
     document = gltf.document
-    if not 0 <= placed.mesh < len(document.meshes):
-        raise InputError(f"meshes: expected 0 to {len(document.meshes) - 1}, got {placed.mesh}")
-    for primitive in document.meshes[placed.mesh].primitives:
+    for primitive in pick(document.meshes, placed.mesh, "meshes").primitives:
         if "POSITION" not in primitive.attributes:
             continue
         points = gltf.accessor(primitive.attributes["POSITION"]).astype(np.float64)
@@ -257,12 +222,8 @@ def _triangles(corners: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
         return corners[: len(corners) // 3 * 3].reshape(-1, 3)
     if mode not in (TRIANGLE_STRIP, TRIANGLE_FAN) or len(corners) < 3:
         return np.empty((0, 3), dtype=np.int64)
-    first = (
-        np.zeros(len(corners) - 2, dtype=np.int64)
-        if mode == TRIANGLE_FAN
-        else np.arange(len(corners) - 2)
-    )
     second = np.arange(1, len(corners) - 1)
+    first = np.zeros_like(second) if mode == TRIANGLE_FAN else second - 1
     order = np.stack((first, second, second + 1), axis=1)
     if mode == TRIANGLE_STRIP:
         order[1::2] = order[1::2][:, [1, 0, 2]]

@@ -42,6 +42,11 @@ class Node(_Struct, frozen=True):
     extensions: _NodeExtensions = _NodeExtensions()
     name: str = ""
 
+    @property
+    def coarser(self) -> list[int]:
+        """Nodes of its coarser levels."""
+        return [] if self.extensions.MSFT_lod is None else self.extensions.MSFT_lod.ids
+
 
 class Primitive(_Struct, frozen=True):
     """Part of a mesh that is drawn by one call."""
@@ -75,7 +80,9 @@ class _View(_Struct, frozen=True):
     byte_stride: int | None = None
 
 
-class _Buffer(_Struct, frozen=True):
+class Buffer(_Struct, frozen=True):
+    """Bytes in a file of their own, or, without URI, in the file itself."""
+
     byte_length: int
     uri: str | None = None
 
@@ -92,33 +99,32 @@ class _Scene(_Struct, frozen=True):
     nodes: list[int] = []
 
 
-class _Asset(_Struct, frozen=True):
+class Asset(_Struct, frozen=True):
+    """What a document says about itself."""
+
     version: str
 
 
 class Document(_Struct, frozen=True):
     """The JSON of a glTF file, as far as geometry and levels of detail need it."""
 
-    asset: _Asset
+    asset: Asset
     scene: int | None = None
     scenes: list[_Scene] = []
     nodes: list[Node] = []
     meshes: list[_Mesh] = []
     accessors: list[Accessor] = []
     buffer_views: list[_View] = []
-    buffers: list[_Buffer] = []
+    buffers: list[Buffer] = []
     materials: list[_Material] = []
 
     def roots(self) -> list[int]:
         """Return the root nodes of the default scene, or of the first one."""
         if not self.scenes:
             below = {child for node in self.nodes for child in node.children}
-            coarser = {i for node in self.nodes if node.extensions.MSFT_lod for i in _ids(node)}
+            coarser = {i for node in self.nodes for i in node.coarser}
             return [i for i in range(len(self.nodes)) if i not in below | coarser]
-        number = self.scene or 0
-        if not 0 <= number < len(self.scenes):
-            raise InputError(f"scene: expected 0 to {len(self.scenes) - 1}, got {number}")
-        return self.scenes[number].nodes
+        return pick(self.scenes, self.scene or 0, "scene").nodes
 
     def has_texture(self, material: int | None) -> bool:
         """Return whether a material has a colour texture."""
@@ -133,18 +139,12 @@ class Document(_Struct, frozen=True):
         stack = roots[::-1]
         while stack:
             number = stack.pop()
-            if not 0 <= number < len(self.nodes):
-                raise InputError(f"nodes: expected 0 to {len(self.nodes) - 1}, got {number}")
+            node = pick(self.nodes, number, "nodes")
             if number in seen or len(seen) > _MAX_NODES:
                 raise InputError(f"nodes: expected a tree, got node {number} reached twice")
             seen.add(number)
             yield number
-            stack.extend(reversed(self.nodes[number].children))
-
-
-def _ids(node: Node) -> list[int]:
-    lod = node.extensions.MSFT_lod
-    return [] if lod is None else lod.ids
+            stack.extend(reversed(node.children))
 
 
 def pick(items: Sequence[_Item], number: int, what: str) -> _Item:

@@ -1,12 +1,11 @@
 """A whole mesh simplified, with its materials and texture coordinates."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ..meshes.attributes import carry_parts, carry_uv
+from ..meshes.attributes import carry
 from ..meshes.simplify import simplify_surface
 from ..meshes.surface_mesh import SurfaceMesh
 
@@ -23,12 +22,8 @@ def simplify_whole(full: SurfaceMesh, factor: float) -> SurfaceMesh:
     rows = [np.flatnonzero(full.part == part) for part in range(len(full.textured))]
     owners = np.concatenate([np.unique(full.faces[part]) for part in rows])
     if len(np.unique(owners)) < len(owners):
-        positions, faces = _simplified(full.positions, full.faces, factor)
-        part = carry_parts(full, positions, faces)
-    else:
-        positions, faces, part = _apart(full, rows, factor)
-    uv_index = carry_uv(full, positions, faces, part)
-    return replace(full, positions=positions, faces=faces, part=part, uv_index=uv_index)
+        return carry(full, *_simplified(full.positions, full.faces, factor))
+    return carry(full, *_apart(full, rows, factor))
 
 
 def _simplified(

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ..layouts.placement import place
-from ..layouts.scene_builder import PlacementOptions
+from ..layouts.scene_builder import PlacementOptions, place_kinds
 from ..meshes.geometry import Geometry
 from ..scene.levels import LevelTable
+from ..scene.rotation import turn_about_z
 from ..scene.scene import ObjectTypes, Scene
 from .hlod_tree import Hlod
 
@@ -46,20 +46,14 @@ def hlod_scene(
     rank[order] = np.arange(len(order))
     parent = np.where(parent < 0, -1, rank[parent])[order]
     copy, local = copy[order], local[order]
-    types = _types(trees)
-    half = yaw_rad[copy] / 2.0
-    zero = np.zeros(len(copy))
-    turn = np.stack((zero, zero, np.sin(half), np.cos(half)), axis=1)
-    scene = Scene(
+    scene = Scene.of(
         name,
-        types,
+        _types(trees),
         first_type[kind[copy]] + local,
         position_m[copy],
-        turn,
-        scale[copy],
-        np.ones(len(copy)),
-        parent,
-        np.zeros(len(copy), dtype=np.bool_),
+        turn_xyzw=turn_about_z(yaw_rad[copy]),
+        scale=scale[copy],
+        parent=parent,
     )
     return scene, tuple(mesh for tree in trees for mesh in tree.meshes)
 
@@ -71,13 +65,9 @@ def place_trees(
 
     Raises `InputError` if the layout cannot hold them.
     """
-    count, spread = options.count, options.scale_variation
-    kind = rng.permutation(np.arange(count) % len(trees))
-    scale = rng.uniform(1.0 - spread, 1.0 + spread, count)
-    yaw = rng.uniform(-np.pi, np.pi, count) if options.random_yaw else np.zeros(count)
-    radius = scale * np.array([_footprint_radius_m(tree) for tree in trees])[kind]
-    plan = place(options.layout, radius, rng, spacing_m=options.spacing_m, side_m=options.side_m)
-    return hlod_scene(name, trees, kind, np.column_stack((plan, np.zeros(count))), yaw, scale)
+    radius = np.array([_footprint_radius_m(tree) for tree in trees])
+    kind, plan, yaw, scale = place_kinds(radius, options, rng)
+    return hlod_scene(name, trees, kind, np.column_stack((plan, np.zeros(len(plan)))), yaw, scale)
 
 
 def _footprint_radius_m(tree: Hlod) -> float:

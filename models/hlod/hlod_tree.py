@@ -6,14 +6,15 @@ each piece by itself, as the thesis does, cannot promise.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray, IntArray, frozen_array
-from ...base.errors import InputError
+from ...base.arrays import FloatArray, IntArray, derive, freeze
+from ...base.errors import require_between
 from ...base.predictors import LEVEL_PREDICTORS
-from ..meshes.geometry import Geometry, LevelMesh
+from ..meshes.geometry import Geometry
 from ..meshes.level_mesh import level_counts, level_mesh
 from ..meshes.mesh_error import ErrorMeter, Sampling
 from ..meshes.surface_mesh import SurfaceMesh
@@ -42,14 +43,9 @@ class HlodOptions:
     max_levels: int = 8
 
     def __post_init__(self) -> None:
-        if self.desired_triangles < 1:
-            raise InputError(
-                f"desired triangles: expected at least 1, got {self.desired_triangles}"
-            )
-        if not 2 <= self.level_factor <= 16:
-            raise InputError(f"level factor: expected 2 to 16, got {self.level_factor}")
-        if not 1 <= self.max_levels <= 8:
-            raise InputError(f"HLOD levels: expected 1 to 8, got {self.max_levels}")
+        require_between(self.desired_triangles, 1, np.inf, "desired triangles")
+        require_between(self.level_factor, 2, 16, "level factor")
+        require_between(self.max_levels, 1, 8, "HLOD levels")
 
     def targets(self, triangles: int) -> list[float]:
         """Return simplification factors of the levels, coarsest first; the last one is 1.
@@ -77,10 +73,6 @@ class Hlod:
         In the order of `LEVEL_PREDICTORS`.
     error_m : (N,) float64
         That of the whole level, measured against the full mesh.
-    static_benefit : (N,) float64
-        ``sqrt(triangles · Σ area)`` (thesis, section 3.3).
-    average_normal : (N, 3) float64
-        Normals weighted by area, of unit length, or 0 where they cancel.
     low_m, high_m : (N, 3) float64
         Bounding boxes.
     bytes : (N,) float64
@@ -89,31 +81,17 @@ class Hlod:
 
     name: str
     meshes: Geometry = field(repr=False)
-    parent: IntArray
-    depth: IntArray
-    counts: FloatArray
-    error_m: FloatArray
-    static_benefit: FloatArray
-    average_normal: FloatArray
-    low_m: FloatArray
-    high_m: FloatArray
+    parent: Annotated[IntArray, np.int32, "N"]
+    depth: Annotated[IntArray, np.int32, "N"]
+    counts: Annotated[FloatArray, np.float64, "N", len(LEVEL_PREDICTORS)]
+    error_m: Annotated[FloatArray, np.float64, "N"]
+    low_m: Annotated[FloatArray, np.float64, "N", 3]
+    high_m: Annotated[FloatArray, np.float64, "N", 3]
     bytes: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        n, put = len(self.meshes), object.__setattr__
-        put(self, "bytes", np.array([float(mesh.byte_count) for mesh in self.meshes]))
-        for name, dtype, shape in (
-            ("parent", np.int32, (n,)),
-            ("depth", np.int32, (n,)),
-            ("counts", np.float64, (n, len(LEVEL_PREDICTORS))),
-            ("error_m", np.float64, (n,)),
-            ("static_benefit", np.float64, (n,)),
-            ("average_normal", np.float64, (n, 3)),
-            ("low_m", np.float64, (n, 3)),
-            ("high_m", np.float64, (n, 3)),
-            ("bytes", np.float64, (n,)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"hlod {name}"))
+        freeze(self, "hlod", N=len(self.meshes))
+        derive(self, bytes=np.array([float(mesh.byte_count) for mesh in self.meshes]))
 
 
 def build_hlod(full: SurfaceMesh, options: HlodOptions, sampling: Sampling) -> Hlod:
@@ -139,18 +117,14 @@ def _texture_shares(
     full: SurfaceMesh, pieces: list[SurfaceMesh], factor: float
 ) -> NDArray[np.float64]:
     """Return bytes of texture of each node of a level."""
-    areas = np.array(
-        [_area_vectors(piece)[1][piece.textured[piece.part]].sum() for piece in pieces]
-    )
+    areas = np.array([_areas(piece)[piece.textured[piece.part]].sum() for piece in pieces])
     whole = float(areas.sum())
     return areas / whole * full.texture_bytes / factor if whole > 0.0 else np.zeros(len(areas))
 
 
-def _area_vectors(mesh: SurfaceMesh) -> tuple[FloatArray, FloatArray]:
-    """Return normals times area (F, 3), and areas (F,)."""
+def _areas(mesh: SurfaceMesh) -> FloatArray:
     a, b, c = (mesh.positions[mesh.faces[:, i]] for i in range(3))
-    vector: FloatArray = np.cross(b - a, c - a) / 2.0
-    return vector, np.linalg.norm(vector, axis=1)
+    return np.linalg.norm(np.cross(b - a, c - a) / 2.0, axis=1)
 
 
 def _gather(
@@ -165,30 +139,16 @@ def _gather(
     starts = np.cumsum([0, *sizes])
     parents = [np.full(sizes[0], -1)]
     parents += [cells.parent[d] + starts[d - 1] for d in range(1, len(pieces))]
-    meshes: list[LevelMesh] = []
-    counts: list[FloatArray] = []
-    benefit: list[float] = []
-    normal: list[FloatArray] = []
-    for piece in nodes:
-        mesh = level_mesh(piece, piece.positions, piece.faces, piece.part, piece.uv_index)
-        vectors, areas = _area_vectors(piece)
-        total = vectors.sum(axis=0)
-        length = float(np.linalg.norm(total))
-        meshes.append(mesh)
-        counts.append(level_counts(piece, mesh))
-        benefit.append(float(np.sqrt(len(piece.faces) * areas.sum())))
-        normal.append(total / length if length > 1e-12 * areas.sum() else np.zeros(3))
-    table = np.stack(counts)
+    meshes = tuple(level_mesh(piece) for piece in nodes)
+    table = np.stack([level_counts(*pair) for pair in zip(nodes, meshes, strict=True)])
     table[:, _TEXTURE_BYTES] = np.concatenate(texture_bytes)
     return Hlod(
         name,
-        tuple(meshes),
+        meshes,
         np.concatenate(parents),
         np.repeat(np.arange(len(pieces)), sizes),
         table,
         np.repeat(errors, sizes),
-        np.array(benefit),
-        np.stack(normal),
         np.stack([piece.positions.min(axis=0) for piece in nodes]),
         np.stack([piece.positions.max(axis=0) for piece in nodes]),
     )

@@ -42,37 +42,23 @@ def pack_discs(radius_m: FloatArray, side_m: float, propose: Propose, layout: st
     size_class = np.floor(np.log2(radius_m.max() / radius_m))
     placed: list[tuple[Any, FloatArray]] = []
     for number in np.unique(size_class):
-        members = np.flatnonzero(size_class == number)
-        _pack_class(members, radius_m, side_m, propose, layout, placed, centers)
+        left = members = np.flatnonzero(size_class == number)
+        own, rounds = left[:0], 0
+        while len(left):
+            if (rounds := rounds + 1) > _ROUNDS:
+                raise InputError(
+                    f"layout {layout}: expected room for {len(radius_m)} objects, got none for the "
+                    f"last {len(left)} of a size; widen the side or lower the count"
+                )
+            xy, radius = propose(len(left)), radius_m[left]
+            free = (np.abs(xy).max(axis=1) + radius) <= side_m / 2.0
+            for tree, others in (*placed, (_tree(centers[own]), radius_m[own])):
+                free &= ~_touched(xy, radius, tree, others)
+            free &= ~_touched_by_earlier(xy, radius, free)
+            centers[left[free]] = xy[free]
+            own, left = np.concatenate((own, left[free])), left[~free]
         placed.append((_tree(centers[members]), radius_m[members]))
     return centers
-
-
-def _pack_class(
-    left: Any,
-    radius_m: FloatArray,
-    side_m: float,
-    propose: Propose,
-    layout: str,
-    placed: list[tuple[Any, FloatArray]],
-    centers: FloatArray,
-) -> None:
-    own = left[:0]
-    for _ in range(_ROUNDS):
-        xy = propose(len(left))
-        radius = radius_m[left]
-        free = (np.abs(xy).max(axis=1) + radius) <= side_m / 2.0
-        for tree, others in (*placed, (_tree(centers[own]), radius_m[own])):
-            free &= ~_touched(xy, radius, tree, others)
-        free &= ~_touched_by_earlier(xy, radius, free)
-        centers[left[free]] = xy[free]
-        own, left = np.concatenate((own, left[free])), left[~free]
-        if len(left) == 0:
-            return
-    raise InputError(
-        f"layout {layout}: expected room for {len(radius_m)} objects, got none for the last "
-        f"{len(left)} of a size; widen the side or lower the count"
-    )
 
 
 def _tree(points: FloatArray) -> Any:

@@ -4,13 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
+from ...base.errors import InputError, require_between
 from ..meshes.geometry import Geometry
 from ..meshes.type_model import TypeModel, gather_types
 from ..scene.motion import Motion
-from ..scene.rotation import rotate
+from ..scene.rotation import rotate, turn_about_z
 from ..scene.scene import Scene
 from .placement import place, require_layout
 
@@ -45,8 +46,7 @@ class PlacementOptions:
 
     def __post_init__(self) -> None:
         require_layout(self.layout, self.spacing_m, self.side_m)
-        if not 1 <= self.count <= _MAX_COUNT:
-            raise InputError(f"count: expected 1 to {_MAX_COUNT}, got {self.count}")
+        require_between(self.count, 1, _MAX_COUNT, "count")
         if not 0.0 <= self.scale_variation < 1.0:
             raise InputError(f"scale variation: expected [0, 1), got {self.scale_variation}")
 
@@ -58,14 +58,28 @@ def build_scene(
 
     Raises `InputError` if the layout cannot hold the objects.
     """
-    count = options.count
-    kind = rng.permutation(np.arange(count) % len(models)).astype(np.int32)
-    spread = options.scale_variation
+    placed = place_kinds(np.array([model.radius_m for model in models]), options, rng)
+    return scene_of_objects(name, models, *placed)
+
+
+def place_kinds(
+    radius_m: FloatArray, options: PlacementOptions, rng: np.random.Generator
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Return kinds (N,), plan (N, 2), yaw (N,) and scale (N,) of equal shares of some kinds.
+
+    Raises `InputError` if the layout cannot hold them.
+
+    Parameters
+    ----------
+    radius_m : of each kind, seen from above
+    """
+    count, spread = options.count, options.scale_variation
+    kind = rng.permutation(np.arange(count) % len(radius_m)).astype(np.int32)
     scale = rng.uniform(1.0 - spread, 1.0 + spread, count)
     yaw = rng.uniform(-np.pi, np.pi, count) if options.random_yaw else np.zeros(count)
-    radius = scale * np.array([model.radius_m for model in models])[kind]
-    plan = place(options.layout, radius, rng, spacing_m=options.spacing_m, side_m=options.side_m)
-    return scene_of_objects(name, models, kind, plan, yaw, scale, np.ones(count))
+    radius, space = scale * radius_m[kind], options.spacing_m
+    plan = place(options.layout, radius, rng, spacing_m=space, side_m=options.side_m)
+    return kind, plan, yaw, scale
 
 
 def scene_of_objects(
@@ -75,7 +89,7 @@ def scene_of_objects(
     plan_m: FloatArray,
     yaw_rad: FloatArray,
     scale: FloatArray,
-    importance: FloatArray,
+    importance: ArrayLike = 1.0,
     motion: Motion | None = None,
 ) -> tuple[Scene, Geometry]:
     """Return a flat scene of N objects that stand upright on the ground plane z = 0.
@@ -86,21 +100,18 @@ def scene_of_objects(
     plan_m : (N, 2) centres of the bounding spheres, seen from above
     yaw_rad, scale, importance : (N,)
     """
-    n = len(type_index)
-    zero = np.zeros(n)
     types, geometry = gather_types(models)
-    turn = np.stack((zero, zero, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)), axis=1)
+    turn = turn_about_z(yaw_rad)
     center = scale[:, None] * rotate(turn, types.center_m[type_index])
-    scene = Scene(
-        name=name,
-        types=types,
-        type_index=type_index,
-        position_m=np.column_stack((plan_m - center[:, :2], zero)),
-        orientation_xyzw=turn,
+    position = np.column_stack((plan_m - center[:, :2], np.zeros(len(type_index))))
+    scene = Scene.of(
+        name,
+        types,
+        type_index,
+        position,
+        turn_xyzw=turn,
         scale=scale,
         importance=importance,
-        parent=np.full(n, -1, dtype=np.int32),
-        additive=np.zeros(n, dtype=np.bool_),
         motion=motion,
     )
     return scene, geometry

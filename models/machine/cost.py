@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.arrays import FloatArray, frozen_array, require_finite
+from ...base.arrays import FloatArray, derive, frozen_array, require_finite
 from ...base.errors import InputError
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 
@@ -59,8 +59,7 @@ class CostModel:
 
     def __post_init__(self) -> None:
         for name in ("linear_ms", "roofline_ms"):
-            array = _checked(getattr(self, name), GPU_PREDICTORS, name)
-            object.__setattr__(self, name, array)
+            derive(self, **{name: _checked(getattr(self, name), GPU_PREDICTORS, name)})
         _require_base(self.base_ms, "base")
 
     @classmethod
@@ -110,11 +109,9 @@ class CpuCostModel:
     def __post_init__(self) -> None:
         array = _checked(self.linear_ms, CPU_PREDICTORS, "cpu linear_ms")
         _require_base(self.base_ms, "cpu base")
-        put = object.__setattr__
-        put(self, "linear_ms", array)
         charged = [(n, ms) for n, ms in zip(CPU_PREDICTORS, array.tolist(), strict=True) if ms]
-        put(self, "_charged", charged)
-        put(self, "_charged_work", [term for term in charged if term[0] in _POLICY_WORK])
+        work = [term for term in charged if term[0] in _POLICY_WORK]
+        derive(self, linear_ms=array, _charged=charged, _charged_work=work)
 
     @classmethod
     def of(cls, base_ms: float, linear: Mapping[str, float]) -> "CpuCostModel":

@@ -1,12 +1,12 @@
 """A hardware profile: cost models, their uncertainty, display, memory and disk."""
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from ...base.arrays import FloatArray, frozen_array, require_finite
-from ...base.errors import InputError
+from ...base.arrays import FloatArray, freeze, require_finite
+from ...base.errors import InputError, require_between
 from ...base.predictors import GPU_PREDICTORS
 from .cost import CostModel, CpuCostModel
 from .residual import Residual
@@ -66,26 +66,18 @@ class Posterior:
         Coefficients of the roofline; None where those of the profile hold for every draw.
     """
 
-    base_ms: FloatArray
-    linear_ms: FloatArray
-    scale: FloatArray
-    roofline_ms: FloatArray | None = None
+    base_ms: Annotated[FloatArray, np.float64, "D"]
+    linear_ms: Annotated[FloatArray, np.float64, "D", len(GPU_PREDICTORS)]
+    scale: Annotated[FloatArray, np.float64, "D"]
+    roofline_ms: Annotated[FloatArray | None, np.float64, "D", len(GPU_PREDICTORS)] = None
 
     def __post_init__(self) -> None:
-        d, put = len(self.base_ms), object.__setattr__
-        if d == 0:
+        if len(self) == 0:
             raise InputError("posterior: expected at least one draw, got none")
-        for name, shape in (
-            ("base_ms", (d,)),
-            ("linear_ms", (d, len(GPU_PREDICTORS))),
-            ("roofline_ms", (d, len(GPU_PREDICTORS))),
-            ("scale", (d,)),
-        ):
-            if getattr(self, name) is None:
-                continue
-            array = frozen_array(getattr(self, name), np.float64, shape, f"posterior {name}")
-            require_finite(array, f"posterior {name}", low=0.0)
-            put(self, name, array)
+        freeze(self, "posterior", D=len(self))
+        for name in ("base_ms", "linear_ms", "roofline_ms", "scale"):
+            if getattr(self, name) is not None:
+                require_finite(getattr(self, name), f"posterior {name}", low=0.0)
 
     def __len__(self) -> int:
         """Return the number of draws."""
@@ -137,8 +129,7 @@ class HardwareProfile:
     disk_latency_ms: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.frames_in_flight not in (1, 2, 3, 4):
-            raise InputError(f"frames_in_flight: expected 1 to 4, got {self.frames_in_flight}")
+        require_between(self.frames_in_flight, 1, 4, "frames_in_flight")
         good = np.isfinite((self.memory_bytes, self.disk_bytes_per_s, self.disk_latency_ms)).all()
         if not good or self.memory_bytes <= 0 or self.disk_bytes_per_s <= 0:
             raise InputError("hardware: expected positive finite memory and disk figures")

@@ -1,10 +1,21 @@
 """Materials and texture coordinates carried from a full mesh to a simplified one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from .mesh_error import nearest_faces
 from .surface_mesh import SurfaceMesh
+
+
+def carry(
+    full: SurfaceMesh, positions: FloatArray, faces: IntArray, part: IntArray | None = None
+) -> SurfaceMesh:
+    """Return a simplified mesh with the texture coordinates, and the parts unless given, of it."""
+    part = carry_parts(full, positions, faces) if part is None else part
+    uv_index = carry_uv(full, positions, faces, part)
+    return replace(full, positions=positions, faces=faces, part=part, uv_index=uv_index)
 
 
 def carry_parts(full: SurfaceMesh, positions: FloatArray, faces: IntArray) -> IntArray:

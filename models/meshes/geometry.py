@@ -1,12 +1,12 @@
 """Geometry of levels of detail, as a renderer would upload it."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import IntArray, frozen_array, require_finite
+from ...base.arrays import IntArray, freeze
 from ...base.errors import InputError
 
 Float32Array: TypeAlias = NDArray[np.float32]
@@ -32,23 +32,15 @@ class LevelMesh:
     uv : (V, 2) float32, or None where the type has no texture coordinates
     """
 
-    vertices: Float32Array
-    normals: Float32Array
-    faces: IntArray
-    part_start: IntArray
-    uv: Float32Array | None = None
+    vertices: Annotated[Float32Array, np.float32, "V", 3]
+    normals: Annotated[Float32Array, np.float32, "V", 3]
+    faces: Annotated[IntArray, np.int32, "F", 3]
+    part_start: Annotated[IntArray, np.int32, "P"]
+    uv: Annotated[Float32Array | None, np.float32, "V", 2] = None
 
     def __post_init__(self) -> None:
         v, f, p = len(self.vertices), len(self.faces), len(self.part_start)
-        put = object.__setattr__
-        for name, shape in (("vertices", (v, 3)), ("normals", (v, 3)), ("uv", (v, 2))):
-            values = getattr(self, name)
-            if values is not None:
-                array = frozen_array(values, np.float32, shape, f"mesh {name}")
-                require_finite(array, f"mesh {name}")
-                put(self, name, array)
-        put(self, "faces", frozen_array(self.faces, np.int32, (f, 3), "mesh faces"))
-        put(self, "part_start", frozen_array(self.part_start, np.int32, (p,), "mesh part_start"))
+        freeze(self, "mesh", V=v, F=f, P=p)
         if f == 0 or self.faces.min() < 0 or self.faces.max() >= v:
             raise InputError(f"mesh faces: expected indices of {v} vertices, got others or none")
         start = self.part_start

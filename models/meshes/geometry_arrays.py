@@ -42,35 +42,28 @@ def unpack_geometry(archive: ArrayArchive, levels: int) -> Geometry:
     vertices = _split(archive, "vertices", "vertex_start", np.float32, levels)
     normals = _split(archive, "normals", "vertex_start", np.float32, levels)
     faces = _split(archive, "faces", "face_start", np.int32, levels)
-    part_start = archive.array("geometry/part_start", np.int32, 1)
-    part_rows = _bounds(archive, "part_rows", len(part_start), levels)
+    parts = _split(archive, "part_start", "part_rows", np.int32, levels, dimensions=1)
     has_uv = archive.array("geometry/has_uv", np.bool_, 1)
-    uv = archive.array("geometry/uv", np.float32, 2)
     if len(has_uv) != levels:
         raise InputError(f"geometry has_uv: expected {levels} flags, got {len(has_uv)}")
-    end = np.cumsum([len(v) * flag for v, flag in zip(vertices, has_uv, strict=True)])
-    return tuple(
-        LevelMesh(
-            vertices[i],
-            normals[i],
-            faces[i],
-            part_start[part_rows[i] : part_rows[i + 1]],
-            uv[end[i] - len(vertices[i]) : end[i]] if has_uv[i] else None,
-        )
-        for i in range(levels)
-    )
+    ends = np.cumsum([len(v) * flag for v, flag in zip(vertices, has_uv, strict=True)])
+    uv = np.split(archive.array("geometry/uv", np.float32, 2), ends[:-1])
+    rows = zip(vertices, normals, faces, parts, uv, has_uv, strict=True)
+    return tuple(LevelMesh(*level, uv=own if flag else None) for *level, own, flag in rows)
 
 
 def _split(
-    archive: ArrayArchive, name: str, start_name: str, dtype: type[Any], levels: int
+    archive: ArrayArchive,
+    name: str,
+    starts: str,
+    dtype: type[Any],
+    levels: int,
+    *,
+    dimensions: int = 2,
 ) -> list[NDArray[Any]]:
-    array = archive.array(f"geometry/{name}", dtype, 2)
-    rows = _bounds(archive, start_name, len(array), levels)
-    return [array[rows[i] : rows[i + 1]] for i in range(levels)]
-
-
-def _bounds(archive: ArrayArchive, name: str, rows: int, levels: int) -> NDArray[np.int64]:
-    start = archive.array(f"geometry/{name}", np.int64, 1)
+    """Return the rows of each level."""
+    array = archive.array(f"geometry/{name}", dtype, dimensions)
+    start, rows = archive.array(f"geometry/{starts}", np.int64, 1), len(array)
     if len(start) != levels + 1 or start[0] != 0 or start[-1] != rows or (np.diff(start) < 0).any():
-        raise InputError(f"geometry {name}: expected {levels + 1} rows rising from 0 to {rows}")
-    return start
+        raise InputError(f"geometry {starts}: expected {levels + 1} rows rising from 0 to {rows}")
+    return np.split(array, start[1:-1])

@@ -3,40 +3,38 @@
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.predictors import LEVEL_PREDICTORS
+from ..scene.levels import count_rows
 from .geometry import LevelMesh
 from .surface_mesh import SurfaceMesh
 
 
-def level_mesh(
-    full: SurfaceMesh, positions: FloatArray, faces: IntArray, part: IntArray, uv_index: IntArray
-) -> LevelMesh:
+def level_mesh(level: SurfaceMesh) -> LevelMesh:
     """Return the buffers of a level: faces by part, a vertex for each position and coordinate."""
-    order = np.argsort(part, kind="stable")
-    faces, uv_index = faces[order], uv_index[order]
+    order = np.argsort(level.part, kind="stable")
+    positions, faces, uv_index = level.positions, level.faces[order], level.uv_index[order]
     pairs = np.stack((faces.ravel(), uv_index.ravel()), axis=1)
     vertex, index = np.unique(pairs, axis=0, return_inverse=True)
-    start = np.searchsorted(part[order], np.arange(len(full.textured) + 1))
+    start = np.searchsorted(level.part[order], np.arange(len(level.textured) + 1))
     return LevelMesh(
         positions[vertex[:, 0]].astype(np.float32),
         _normals(positions, faces)[vertex[:, 0]].astype(np.float32),
         index.reshape(-1, 3).astype(np.int32),
         start.astype(np.int32),
-        full.uv[vertex[:, 1]].astype(np.float32) if full.has_uv else None,
+        level.uv[vertex[:, 1]].astype(np.float32) if level.has_uv else None,
     )
 
 
-def level_counts(full: SurfaceMesh, mesh: LevelMesh) -> FloatArray:
+def level_counts(level: SurfaceMesh, mesh: LevelMesh) -> FloatArray:
     """Return the counts of a level in the order of `LEVEL_PREDICTORS`."""
     sizes = np.diff(mesh.part_start)
-    values = {
-        "draw_calls": np.count_nonzero(sizes),
-        "vertices": len(mesh.vertices),
-        "triangles": len(mesh.faces),
-        "textured_triangles": sizes[full.textured].sum(),
-        "texture_bytes": full.texture_bytes,
-    }
-    return np.array([float(values.get(name, 0.0)) for name in LEVEL_PREDICTORS])
+    return count_rows(
+        1,
+        draw_calls=np.count_nonzero(sizes),
+        vertices=len(mesh.vertices),
+        triangles=len(mesh.faces),
+        textured_triangles=sizes[level.textured].sum(),
+        texture_bytes=level.texture_bytes,
+    )[0]
 
 
 def _normals(positions: FloatArray, faces: IntArray) -> FloatArray:

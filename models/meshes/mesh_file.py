@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from .surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 _MAX_FILE_BYTES = 1 << 30
@@ -46,10 +46,8 @@ def load_mesh(path: Path) -> SurfaceMesh:
     if not parts:
         got = ", ".join(sorted(kinds)) or "an empty scene"
         raise InputError(f"expected a mesh with triangles, got {got}", path=path)
-    try:
+    with about_file(path):
         return clean_surface(path.stem, parts, texture_bytes=sum(images.values()))
-    except InputError as error:
-        raise InputError(error.message, path=path) from error
 
 
 def _parse(path: Path) -> Any:

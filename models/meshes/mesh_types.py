@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from .mesh_error import Sampling
 from .mesh_file import load_mesh
@@ -44,10 +44,8 @@ def read_surface(path: Path, units: MeshUnits) -> SurfaceMesh:
     """Return the mesh of a file in metres, z up, standing on the ground; raises InputError."""
     mesh = load_mesh(path)
     height = units.height_m if units.unit_m is None else None
-    try:
+    with about_file(path):
         return mesh.standing(y_up=units.up == "y", height_m=height, unit_m=units.unit_m or 1.0)
-    except InputError as error:
-        raise InputError(error.message, path=path) from error
 
 
 def read_types(

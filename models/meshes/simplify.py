@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.errors import InputError
-from .attributes import carry_parts, carry_uv
-from .level_mesh import level_counts, level_mesh
-from .mesh_error import ErrorMeter, Sampling
+from ...base.errors import require_between
+from .attributes import carry
+from .mesh_error import Sampling
 from .surface_mesh import SurfaceMesh
-from .type_model import TypeModel
+from .type_model import TypeModel, measure_levels
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,38 +32,27 @@ class ChainOptions:
     min_triangles: int = 32
 
     def __post_init__(self) -> None:
-        if not 1 <= self.levels <= 32:
-            raise InputError(f"levels: expected 1 to 32, got {self.levels}")
-        if not 0.05 <= self.ratio <= 0.95:
-            raise InputError(f"ratio: expected 0.05 to 0.95, got {self.ratio}")
-        if self.min_triangles < 1:
-            raise InputError(f"min_triangles: expected at least 1, got {self.min_triangles}")
+        require_between(self.levels, 1, 32, "levels")
+        require_between(self.ratio, 0.05, 0.95, "ratio")
+        require_between(self.min_triangles, 1, np.inf, "min_triangles")
 
 
 def build_chain(full: SurfaceMesh, options: ChainOptions, sampling: Sampling) -> TypeModel:
     """Return the levels of a mesh, each collapsed from the full mesh and measured against it.
 
     The chain ends where the next target is below `min_triangles`, or where simplification stops
-    removing triangles (a level must have at most 0.95 of the finer one's).  The error of a level
-    is measured, then raised to that of the finer level if sampling put it below.
+    removing triangles (a level must have at most 0.95 of the finer one's).
     """
-    meshes = [level_mesh(full, full.positions, full.faces, full.part, full.uv_index)]
-    errors = [0.0]
-    meter = ErrorMeter(full.positions, full.faces, sampling)
+    levels = [full]
     for level in range(1, options.levels):
         target = round(len(full.faces) * options.ratio**level)
         if target < options.min_triangles:
             break
         positions, faces = simplify_surface(full.positions, full.faces, target)
-        if not 0 < len(faces) <= 0.95 * len(meshes[-1].faces):
+        if not 0 < len(faces) <= 0.95 * len(levels[-1].faces):
             break
-        part = carry_parts(full, positions, faces)
-        meshes.append(
-            level_mesh(full, positions, faces, part, carry_uv(full, positions, faces, part))
-        )
-        errors.append(max(errors[-1], meter.error_m(positions, faces)))
-    counts = np.stack([level_counts(full, mesh) for mesh in meshes])
-    return TypeModel(full.name, tuple(meshes), counts, np.array(errors))
+        levels.append(carry(full, positions, faces))
+    return measure_levels(levels, sampling)
 
 
 def simplify_surface(

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import BoolArray, FloatArray, IntArray, freeze, require_finite
 from ...base.errors import InputError
 
 
@@ -15,7 +15,7 @@ class MeshPart:
     """Triangles of one material as a file holds them; vertices (v, 3), faces (f, 3), uv (v, 2)."""
 
     vertices: FloatArray
-    faces: NDArray[np.int64]
+    faces: IntArray
     material: int = 0
     textured: bool = False
     uv: FloatArray | None = None
@@ -42,26 +42,18 @@ class SurfaceMesh:
     """
 
     name: str
-    positions: FloatArray
-    faces: IntArray
-    part: IntArray
-    textured: BoolArray
-    uv: FloatArray
-    uv_index: IntArray
+    positions: Annotated[FloatArray, np.float64, "V", 3]
+    faces: Annotated[IntArray, np.int32, "F", 3]
+    part: Annotated[IntArray, np.int32, "F"]
+    textured: Annotated[BoolArray, np.bool_, "P"]
+    uv: Annotated[FloatArray, np.float64, "U", 2]
+    uv_index: Annotated[IntArray, np.int32, "F", 3]
     texture_bytes: float = 0.0
     dropped: int = 0
 
     def __post_init__(self) -> None:
-        v, f, put = len(self.positions), len(self.faces), object.__setattr__
-        for name, dtype, shape in (
-            ("positions", np.float64, (v, 3)),
-            ("faces", np.int32, (f, 3)),
-            ("part", np.int32, (f,)),
-            ("textured", np.bool_, (len(self.textured),)),
-            ("uv", np.float64, (len(self.uv), 2)),
-            ("uv_index", np.int32, (f, 3)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"mesh {name}"))
+        v, f, p, u = map(len, (self.positions, self.faces, self.textured, self.uv))
+        freeze(self, "mesh", V=v, F=f, P=p, U=u)
 
     @property
     def has_uv(self) -> bool:
@@ -138,18 +130,17 @@ def clean_surface(
     )
 
 
-def _stack(name: str, parts: Sequence[MeshPart]) -> tuple[FloatArray, NDArray[np.int64]]:
-    offset, stacked = 0, list[NDArray[np.int64]]()
+def _stack(name: str, parts: Sequence[MeshPart]) -> tuple[FloatArray, IntArray]:
+    offset, stacked = 0, list[IntArray]()
     for part in parts:
         count = len(part.vertices)
         if len(part.faces) and (part.faces.min() < 0 or part.faces.max() >= count):
             raise InputError(f"mesh {name}: expected indices of {count} vertices, got others")
         stacked.append(part.faces + offset)
         offset += count
-    faces = np.concatenate(stacked) if stacked else np.empty((0, 3), dtype=np.int64)
-    if len(faces) == 0:
+    if sum(map(len, stacked)) == 0:
         raise InputError(f"mesh {name}: expected at least one triangle, got none")
-    return np.concatenate([p.vertices for p in parts]), faces
+    return np.concatenate([p.vertices for p in parts]), np.concatenate(stacked)
 
 
 def _proper(positions: FloatArray, faces: IntArray) -> BoolArray:

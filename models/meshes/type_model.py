@@ -2,15 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, frozen_array
+from ...base.arrays import FloatArray, derive, freeze
 from ...base.predictors import LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from ..scene.scene import ObjectTypes
 from .geometry import Geometry
+from .level_mesh import level_counts, level_mesh
+from .mesh_error import ErrorMeter, Sampling
 from .silhouette import disc_share
+from .surface_mesh import SurfaceMesh
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,21 +36,36 @@ class TypeModel:
 
     name: str
     meshes: Geometry = field(repr=False)
-    counts: FloatArray
-    error_m: FloatArray
+    counts: Annotated[FloatArray, np.float64, "L", len(LEVEL_PREDICTORS)]
+    error_m: Annotated[FloatArray, np.float64, "L"]
     continuous: bool = False
     center_m: FloatArray = field(init=False)
     radius_m: float = field(init=False)
 
     def __post_init__(self) -> None:
-        n, put = len(self.meshes), object.__setattr__
-        shape = (n, len(LEVEL_PREDICTORS))
-        put(self, "counts", frozen_array(self.counts, np.float64, shape, "type counts"))
-        put(self, "error_m", frozen_array(self.error_m, np.float64, (n,), "type error_m"))
+        freeze(self, "type", L=len(self.meshes))
         points = np.concatenate([mesh.vertices for mesh in self.meshes]).astype(np.float64)
         center = (points.min(axis=0) + points.max(axis=0)) / 2.0
-        put(self, "center_m", frozen_array(center, np.float64, (3,), "type center_m"))
-        put(self, "radius_m", float(np.linalg.norm(points - center, axis=1).max()))
+        radius = float(np.linalg.norm(points - center, axis=1).max())
+        derive(self, center_m=center, radius_m=radius)
+
+
+def measure_levels(
+    levels: Sequence[SurfaceMesh], sampling: Sampling, *, continuous: bool = False
+) -> TypeModel:
+    """Return the type of a full mesh and its coarser levels, each measured against it.
+
+    An error is raised to that of the finer level where sampling put it below, as policies count on
+    errors that never fall.
+    """
+    full, *coarser = levels
+    errors = [0.0]
+    if coarser:
+        meter = ErrorMeter(full.positions, full.faces, sampling)
+        errors += [meter.error_m(level.positions, level.faces) for level in coarser]
+    meshes = tuple(level_mesh(level) for level in levels)
+    counts = np.stack([level_counts(*pair) for pair in zip(levels, meshes, strict=True)])
+    return TypeModel(full.name, meshes, counts, np.maximum.accumulate(errors), continuous)
 
 
 def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:

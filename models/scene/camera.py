@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ...base.arrays import FloatArray, derive
 from ...base.errors import InputError
 from .rotation import rotation_matrix
 
@@ -41,13 +41,9 @@ class Camera:
     def __post_init__(self) -> None:
         if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
-        put = object.__setattr__
-        put(self, "focal_px", self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
-        matrix = rotation_matrix(self.orientation_xyzw)
-        axes = np.ascontiguousarray(matrix.T)
+        axes = np.ascontiguousarray(rotation_matrix(self.orientation_xyzw).T)
         axes[2] *= -1.0
-        axes.flags.writeable = False
-        put(self, "axes", axes)
+        derive(self, axes=axes, focal_px=self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
 
     @property
     def viewport_px(self) -> int:

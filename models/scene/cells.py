@@ -6,10 +6,11 @@ doors.  The sets are computed once; a frame looks up those of the camera's cell.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import BoolArray, FloatArray, IntArray, freeze
 from ...base.errors import InputError
 
 EVERYWHERE = -1
@@ -31,25 +32,17 @@ class Cells:
         outside all cells.
     """
 
-    node_cell: IntArray
-    low_m: FloatArray
-    high_m: FloatArray
-    visible: BoolArray
+    node_cell: Annotated[IntArray, np.int32, "N"]
+    low_m: Annotated[FloatArray, np.float64, "C", 3]
+    high_m: Annotated[FloatArray, np.float64, "C", 3]
+    visible: Annotated[BoolArray, np.bool_, "C + 1", "C"]
     _seen: dict[int, BoolArray] = field(
         init=False, repr=False, compare=False, default_factory=dict[int, BoolArray]
     )
 
     def __post_init__(self) -> None:
-        n, c, put = len(self.node_cell), len(self.low_m), object.__setattr__
-        for name, dtype, shape in (
-            ("node_cell", np.int32, (n,)),
-            ("low_m", np.float64, (c, 3)),
-            ("high_m", np.float64, (c, 3)),
-            ("visible", np.bool_, (c + 1, c)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"cell {name}"))
-        require_finite(self.low_m, "cell low_m")
-        require_finite(self.high_m, "cell high_m")
+        n, c = len(self.node_cell), len(self.low_m)
+        freeze(self, "cell", N=n, C=c)
         if c == 0:
             raise InputError("cells: expected at least one, got none")
         if n and (self.node_cell.min() < EVERYWHERE or self.node_cell.max() >= c):

@@ -7,15 +7,25 @@ share of the finest level's primitives.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import BoolArray, FloatArray, IntArray, derive, freeze, require_finite
 from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
 
 _TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 _SPLATS = LEVEL_PREDICTORS.index("splats")
+
+
+def count_rows(rows: int, **counts: ArrayLike) -> FloatArray:
+    """Return (rows, P) counts by predictor, each one value or (rows,); 0 where none is given."""
+    table = np.zeros((rows, len(LEVEL_PREDICTORS)))
+    for name, values in counts.items():
+        table[:, LEVEL_PREDICTORS.index(name)] = values
+    return table
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +54,11 @@ class LevelTable:
         Derived: the type that owns each row.
     """
 
-    start: IntArray
-    counts: FloatArray
-    error_m: FloatArray
-    bytes: FloatArray
-    continuous: BoolArray
+    start: Annotated[IntArray, np.int32, "K + 1"]
+    counts: Annotated[FloatArray, np.float64, "L", len(LEVEL_PREDICTORS)]
+    error_m: Annotated[FloatArray, np.float64, "L"]
+    bytes: Annotated[FloatArray, np.float64, "L"]
+    continuous: Annotated[BoolArray, np.bool_, "K"]
     resolution: FloatArray = field(init=False)
     level_count: IntArray = field(init=False)
     min_resolution: FloatArray = field(init=False)
@@ -57,32 +67,21 @@ class LevelTable:
 
     def __post_init__(self) -> None:
         types, levels = len(self.start) - 1, len(self.error_m)
-        columns = len(LEVEL_PREDICTORS)
-        put = object.__setattr__
-        put(self, "start", frozen_array(self.start, np.int32, (types + 1,), "level start"))
-        counts = frozen_array(self.counts, np.float64, (levels, columns), "level counts")
-        put(self, "counts", counts)
-        put(self, "error_m", frozen_array(self.error_m, np.float64, (levels,), "level error_m"))
-        put(self, "bytes", frozen_array(self.bytes, np.float64, (levels,), "level bytes"))
-        put(self, "continuous", frozen_array(self.continuous, np.bool_, (types,), "continuous"))
+        freeze(self, "level", K=types, L=levels)
         steps = np.diff(self.start)
         if types < 1 or self.start[0] != 0 or self.start[-1] != levels or (steps < 1).any():
             raise InputError("level start: expected every type to own at least one level")
-        for name, array in (("counts", counts), ("error_m", self.error_m), ("bytes", self.bytes)):
-            require_finite(array, f"level {name}", low=0.0)
+        for name in ("counts", "error_m", "bytes"):
+            require_finite(getattr(self, name), f"level {name}", low=0.0)
         owner = np.repeat(np.arange(types, dtype=np.int32), steps)
-        put(self, "type_of_level", frozen_array(owner, np.int32, (levels,), "type_of_level"))
-        primitives = counts[:, _TRIANGLES] + counts[:, _SPLATS]
+        primitives = self.counts[:, _TRIANGLES] + self.counts[:, _SPLATS]
         self._require_ordered(primitives, owner)
         full = primitives[self.start[:-1]][owner]
         share = np.divide(primitives, full, out=np.ones(levels), where=full > 0)
-        put(self, "resolution", frozen_array(share, np.float64, (levels,), "resolution"))
-        put(self, "level_count", frozen_array(steps, np.int32, (types,), "level_count"))
         coarsest = share[self.start[1:] - 1]
-        put(self, "min_resolution", frozen_array(coarsest, np.float64, (types,), "coarsest"))
+        derive(self, resolution=share, level_count=steps, min_resolution=coarsest)
         # Ascending over the whole table: types two apart, coarseness within a type.
-        key = 2.0 * owner + (1.0 - share)
-        put(self, "_key", frozen_array(key, np.float64, (levels,), "key"))
+        derive(self, type_of_level=owner, _key=2.0 * owner + (1.0 - share))
 
     def _require_ordered(self, primitives: FloatArray, owner: IntArray) -> None:
         same = owner[1:] == owner[:-1]

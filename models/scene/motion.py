@@ -1,10 +1,11 @@
 """Motion of objects: some nodes go round horizontal circles through their rest position."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import FloatArray, IntArray, freeze
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,19 +20,13 @@ class Motion:
     phase_rad : (M,) float64
     """
 
-    node: IntArray
-    radius_m: FloatArray
-    rate_rad_s: FloatArray
-    phase_rad: FloatArray
+    node: Annotated[IntArray, np.int32, "M"]
+    radius_m: Annotated[FloatArray, np.float64, "M"]
+    rate_rad_s: Annotated[FloatArray, np.float64, "M"]
+    phase_rad: Annotated[FloatArray, np.float64, "M"]
 
     def __post_init__(self) -> None:
-        m = len(self.node)
-        put = object.__setattr__
-        put(self, "node", frozen_array(self.node, np.int32, (m,), "motion node"))
-        for name in ("radius_m", "rate_rad_s", "phase_rad"):
-            array = frozen_array(getattr(self, name), np.float64, (m,), f"motion {name}")
-            require_finite(array, f"motion {name}")
-            put(self, name, array)
+        freeze(self, "motion", M=len(self.node))
 
     def offset_m(self, time_s: float) -> FloatArray:
         """Return (M, 3) displacements from rest at a time; zero at time 0."""

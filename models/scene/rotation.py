@@ -1,5 +1,7 @@
 """Rotation of vectors by unit quaternions ``x y z w``."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ...base.arrays import FloatArray
@@ -11,7 +13,13 @@ def rotate(orientation_xyzw: FloatArray, vectors: FloatArray) -> FloatArray:
     return vectors + 2.0 * np.cross(axis, np.cross(axis, vectors) + w * vectors)
 
 
-def rotation_matrix(orientation_xyzw: tuple[float, float, float, float]) -> FloatArray:
+def turn_about_z(yaw_rad: FloatArray) -> FloatArray:
+    """Return the (n, 4) quaternions of turns about the vertical, (n,)."""
+    zero = np.zeros(len(yaw_rad))
+    return np.stack((zero, zero, np.sin(yaw_rad / 2.0), np.cos(yaw_rad / 2.0)), axis=1)
+
+
+def rotation_matrix(orientation_xyzw: Iterable[float]) -> FloatArray:
     """Return the (3, 3) matrix whose columns are the rotated axes of one unit quaternion."""
     x, y, z, w = orientation_xyzw
     return np.array(

@@ -6,10 +6,12 @@ a node of a tree.  Conventions: right-handed, z up, metres, quaternions ``x y z 
 
 from copy import copy
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, frozen_array, require_finite
+from ...base.arrays import BoolArray, FloatArray, IntArray, derive, freeze, require_finite
 from ...base.errors import InputError
 from ..machine.cost import DISC_SHARE, CostModel
 from .cells import Cells
@@ -36,20 +38,17 @@ class ObjectTypes:
     """
 
     names: tuple[str, ...]
-    center_m: FloatArray
-    radius_m: FloatArray
+    center_m: Annotated[FloatArray, np.float64, "K", 3]
+    radius_m: Annotated[FloatArray, np.float64, "K"]
     levels: LevelTable
-    disc_share: FloatArray = field(default_factory=lambda: np.zeros(0))
+    disc_share: Annotated[FloatArray, np.float64, "K"] = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         k = len(self.names)
-        put = object.__setattr__
-        put(self, "center_m", frozen_array(self.center_m, np.float64, (k, 3), "type center_m"))
-        put(self, "radius_m", frozen_array(self.radius_m, np.float64, (k,), "type radius_m"))
-        require_finite(self.center_m, "type center_m")
+        if len(self.disc_share) == 0:
+            derive(self, disc_share=np.full(k, DISC_SHARE))
+        freeze(self, "type", K=k)
         require_finite(self.radius_m, "type radius_m", low=np.finfo(float).tiny)
-        share = self.disc_share if len(self.disc_share) else np.full(k, DISC_SHARE)
-        put(self, "disc_share", frozen_array(share, np.float64, (k,), "type disc_share"))
         if not ((self.disc_share > 0.0) & (self.disc_share <= 1.0)).all():
             raise InputError("type disc_share: expected shares above 0 to 1, got others")
         if len(self.levels.start) != k + 1:
@@ -83,13 +82,13 @@ class Scene:
 
     name: str
     types: ObjectTypes
-    type_index: IntArray
-    position_m: FloatArray
-    orientation_xyzw: FloatArray
-    scale: FloatArray
-    importance: FloatArray
-    parent: IntArray
-    additive: BoolArray
+    type_index: Annotated[IntArray, np.int32, "N"]
+    position_m: Annotated[FloatArray, np.float64, "N", 3]
+    orientation_xyzw: Annotated[FloatArray, np.float64, "N", 4]
+    scale: Annotated[FloatArray, np.float64, "N"]
+    importance: Annotated[FloatArray, np.float64, "N"]
+    parent: Annotated[IntArray, np.int32, "N"]
+    additive: Annotated[BoolArray, np.bool_, "N"]
     motion: Motion | None = None
     cells: Cells | None = None
     costs: CostModel | None = None
@@ -99,32 +98,53 @@ class Scene:
     child_start: IntArray = field(init=False, repr=False)
     child_ids: IntArray = field(init=False, repr=False)
 
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        types: ObjectTypes,
+        type_index: IntArray,
+        position_m: FloatArray,
+        *,
+        turn_xyzw: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        scale: ArrayLike = 1.0,
+        importance: ArrayLike = 1.0,
+        parent: ArrayLike = -1,
+        additive: ArrayLike = False,
+        motion: Motion | None = None,
+        cells: Cells | None = None,
+    ) -> "Scene":
+        """Return a scene; one value stands for all nodes, which are upright roots if none is given.
+
+        Raises `InputError` as the scene itself does.
+        """
+        n = len(type_index)
+        return cls(
+            name,
+            types,
+            type_index,
+            position_m,
+            np.broadcast_to(turn_xyzw, (n, 4)),
+            *(np.broadcast_to(given, n) for given in (scale, importance, parent, additive)),
+            motion=motion,
+            cells=cells,
+        )
+
     def __post_init__(self) -> None:
         n = len(self.type_index)
-        put = object.__setattr__
-        for name, dtype, shape in (
-            ("type_index", np.int32, (n,)),
-            ("position_m", np.float64, (n, 3)),
-            ("orientation_xyzw", np.float64, (n, 4)),
-            ("scale", np.float64, (n,)),
-            ("importance", np.float64, (n,)),
-            ("parent", np.int32, (n,)),
-            ("additive", np.bool_, (n,)),
-        ):
-            put(self, name, frozen_array(getattr(self, name), dtype, shape, f"node {name}"))
+        freeze(self, "node", N=n)
         self._check_nodes(n)
         turned = rotate(self.orientation_xyzw, self.types.center_m[self.type_index])
-        center = self.position_m + self.scale[:, None] * turned
-        radius = self.scale * self.types.radius_m[self.type_index]
-        put(self, "center_m", frozen_array(center, np.float64, (n, 3), "center_m"))
-        put(self, "radius_m", frozen_array(radius, np.float64, (n,), "radius_m"))
-        roots = np.flatnonzero(self.parent < 0)
-        put(self, "roots", frozen_array(roots, np.int32, (len(roots),), "roots"))
+        roots = np.flatnonzero(self.parent < 0).astype(np.int32)
         counts = np.bincount(self.parent[self.parent >= 0], minlength=n)
-        start = np.concatenate(([0], np.cumsum(counts)))
-        order = np.argsort(self.parent, kind="stable")[len(roots) :]
-        put(self, "child_start", frozen_array(start, np.int32, (n + 1,), "child_start"))
-        put(self, "child_ids", frozen_array(order, np.int32, (n - len(roots),), "child_ids"))
+        derive(
+            self,
+            center_m=self.position_m + self.scale[:, None] * turned,
+            radius_m=self.scale * self.types.radius_m[self.type_index],
+            roots=roots,
+            child_start=np.concatenate(([0], np.cumsum(counts))).astype(np.int32),
+            child_ids=np.argsort(self.parent, kind="stable")[len(roots) :].astype(np.int32),
+        )
 
     def _check_nodes(self, n: int) -> None:
         if n == 0:
@@ -132,8 +152,6 @@ class Scene:
         kinds = len(self.types.names)
         if self.type_index.min() < 0 or self.type_index.max() >= kinds:
             raise InputError(f"node type_index: expected 0 to {kinds - 1}, got values outside")
-        require_finite(self.position_m, "node position_m")
-        require_finite(self.orientation_xyzw, "node orientation_xyzw")
         require_finite(self.scale, "node scale", low=np.finfo(float).tiny)
         require_finite(self.importance, "node importance", low=0.0)
         norm = np.linalg.norm(self.orientation_xyzw, axis=1)
@@ -173,5 +191,5 @@ class Scene:
     def with_costs(self, costs: CostModel) -> "Scene":
         """Return the same scene with a cost model that predictive policies may consult."""
         scene = copy(self)  # shares all arrays, unlike `replace`, which would check them again
-        object.__setattr__(scene, "costs", costs)
+        derive(scene, costs=costs)
         return scene

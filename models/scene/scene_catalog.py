@@ -58,25 +58,16 @@ def open_scene(spec: str) -> OpenedScene:
     path = Path(spec)
     suffix = path.suffix.lower()
     if suffix == ".json":
-        return _open_tileset(path)
+        from ..tiles.tileset import read_tileset
+
+        return OpenedScene(*read_tileset(path), tuple)
     if suffix in (".gltf", ".glb"):
-        return _open_gltf(path)
+        from ..gltf.gltf_lod import read_gltf_scene
+
+        scene, meshes, origin = read_gltf_scene(path)
+        return OpenedScene(scene, origin, lambda: meshes)
     if suffix == SUFFIX or path.is_file():
         return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()
     files = f"a file ({SUFFIX}, tileset.json, .gltf, .glb)"
     raise InputError(f"scene: {unknown_name(spec, names, instead=files)}")
-
-
-def _open_tileset(path: Path) -> OpenedScene:
-    from ..tiles.tileset import read_tileset
-
-    scene, origin = read_tileset(path)
-    return OpenedScene(scene, origin, tuple)
-
-
-def _open_gltf(path: Path) -> OpenedScene:
-    from ..gltf.gltf_lod import read_gltf_scene
-
-    scene, geometry, origin = read_gltf_scene(path)
-    return OpenedScene(scene, origin, lambda: geometry)

@@ -1,5 +1,6 @@
 """A scene in a few numbers, as JSON holds them."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -32,11 +33,7 @@ def summarise(scene: Scene, origin: SceneOrigin) -> dict[str, Any]:
         "depths": [] if scene.flat else _depth_records(tree, finest[scene.type_index]),
         "extent": {"center_m": center.tolist(), "size_m": size.tolist()},
         "types": [_type_record(scene, k, int(objects[k])) for k in range(kinds)],
-        "origin": {
-            "tool": origin.tool,
-            "sources": list(origin.sources),
-            "options": dict(origin.options),
-        },
+        "origin": asdict(origin) | {"sources": list(origin.sources)},
     }
 
 

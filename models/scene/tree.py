@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray, derive
 from .benefit import level_primitives
 from .scene import Scene
 
@@ -39,7 +39,7 @@ class Tree:
     _layers: list[NDArray[np.intp]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        scene, put = self.scene, object.__setattr__
+        scene = self.scene
         levels = scene.types.levels
         depth = np.zeros(len(scene), dtype=np.int32)
         above = scene.parent.copy()
@@ -52,12 +52,9 @@ class Tree:
         total = np.where(leaf, primitives, 0.0)
         for layer in reversed(layers):
             np.add.at(total, scene.parent[layer], total[layer])
-        put(self, "depth", depth)
-        put(self, "leaf", leaf)
-        put(self, "primitives", primitives)
-        put(self, "leaf_primitives", total)
-        put(self, "units", np.flatnonzero(leaf | (scene.additive & (primitives > 0))))
-        put(self, "_layers", layers)
+        units = np.flatnonzero(leaf | (scene.additive & (primitives > 0)))
+        derive(self, depth=depth, leaf=leaf, units=units, _layers=layers)
+        derive(self, primitives=primitives, leaf_primitives=total)
 
     def cover(self, ids: IntArray) -> IntArray:
         """Return, for every node, the drawn node that stands for it, or -1, (N,) int32.

@@ -73,17 +73,13 @@ def build_atlas() -> tuple[Scene, Geometry]:
     types, geometry = gather_types(models)
     rows = [_place(ring, place_rng) for ring in _RINGS]
     sizes = [len(position) for position, _ in rows]
-    n = sum(sizes)
-    scene = Scene(
+    scene = Scene.of(
         "atlas",
         types,
         np.repeat([ring.part for ring in _RINGS], sizes),
         np.concatenate([position for position, _ in rows]),
-        np.concatenate([turn for _, turn in rows]),
-        np.repeat([ring.scale for ring in _RINGS], sizes),
-        np.ones(n),
-        np.full(n, -1),
-        np.zeros(n, dtype=np.bool_),
+        turn_xyzw=np.concatenate([turn for _, turn in rows]),
+        scale=np.repeat([ring.scale for ring in _RINGS], sizes),
     )
     return scene, geometry
 
@@ -95,16 +91,11 @@ def _place(ring: _Ring, rng: np.random.Generator) -> tuple[FloatArray, FloatArra
     if ring.part == FOOT:
         angle = np.array((0.8, 1.2)) * np.pi
     place, turn = (a.ravel() for a in np.meshgrid(ring.along_m, angle, indexing="ij"))
-    position = np.stack(
-        (
-            place,
-            -ring.out_m * np.sin(turn),
-            _AXIS_HEIGHT_M + ring.out_m * np.cos(turn),
-        ),
-        axis=1,
-    )
+    y, z = -ring.out_m * np.sin(turn), _AXIS_HEIGHT_M + ring.out_m * np.cos(turn)
     half, zero = turn / 2.0, np.zeros(len(turn))
-    return position, np.stack((np.sin(half), zero, zero, np.cos(half)), axis=1)
+    return np.stack((place, y, z), axis=1), np.stack(
+        (np.sin(half), zero, zero, np.cos(half)), axis=1
+    )
 
 
 ATLAS = BundledScene(

@@ -152,22 +152,9 @@ def _sides(length_m: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def street_route_m() -> FloatArray:
     """Return a way along the streets, (n, 2): round several blocks, back to its start."""
-    p = _PITCH_M
-    left, right = -1.0 * p, 1.0 * p
-    bottom, top = -1.5 * p, 1.5 * p
-    return np.array(
-        (
-            (left, bottom),
-            (right, bottom),
-            (right, -0.5 * p),
-            (0.0, -0.5 * p),
-            (0.0, 0.5 * p),
-            (right, 0.5 * p),
-            (right, top),
-            (left, top),
-            (left, bottom),
-        )
-    )
+    x = np.array((-1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, -1.0, -1.0))
+    y = np.array((-1.5, -1.5, -0.5, -0.5, 0.5, 0.5, 1.5, 1.5, -1.5))
+    return _PITCH_M * np.stack((x, y), axis=1)
 
 
 CITY = BundledScene(

@@ -4,6 +4,7 @@ Peng, Park and Cao, "A real-time system of crowd rendering", section 5, Table 1.
 continuous; its collapse keeps the seams of the texture, as theirs does.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -34,9 +35,8 @@ def build_crowd(count: int) -> tuple[Scene, Geometry]:
     Raises `InputError` if the count is not between 32 and 32,768.
     """
     if not SMALLEST_CROWD <= count <= LARGEST_CROWD:
-        raise InputError(
-            f"crowd: expected {SMALLEST_CROWD} to {LARGEST_CROWD} characters, got {count}"
-        )
+        sizes = f"{SMALLEST_CROWD} to {LARGEST_CROWD}"
+        raise InputError(f"crowd: expected {sizes} characters, got {count}")
     rng = np.random.default_rng(_SEED)
     side = int(np.ceil(np.sqrt(count)))
     row, column = np.divmod(np.arange(count), side)
@@ -44,9 +44,7 @@ def build_crowd(count: int) -> tuple[Scene, Geometry]:
     plan += rng.uniform(-0.3, 0.3, (count, 2))
     yaw = rng.uniform(-np.pi, np.pi, count)
     kind = np.zeros(count, dtype=np.int32)
-    return scene_of_objects(
-        f"crowd-{count}", [_character()], kind, plan, yaw, np.ones(count), np.ones(count)
-    )
+    return scene_of_objects(f"crowd-{count}", [_character()], kind, plan, yaw, np.ones(count))
 
 
 @cache
@@ -56,7 +54,7 @@ def _character() -> TypeModel:
     counts = model.counts.copy()
     vertices = counts[:, LEVEL_PREDICTORS.index("vertices")]
     counts[:, LEVEL_PREDICTORS.index("skinned_vertices")] = vertices
-    return TypeModel(model.name, model.meshes, counts, model.error_m, continuous=True)
+    return replace(model, counts=counts)
 
 
 def character_mesh() -> SurfaceMesh:

@@ -31,7 +31,7 @@ def build_market() -> tuple[Scene, Geometry]:
     radius = scale * np.array([model.radius_m for model in models])[kind]
     plan = place("scatter", radius, place_rng, side_m=_SIDE_M)
     yaw = place_rng.uniform(-np.pi, np.pi, _PIECES)
-    return scene_of_objects("market", models, kind, plan, yaw, scale, np.ones(_PIECES))
+    return scene_of_objects("market", models, kind, plan, yaw, scale)
 
 
 MARKET = BundledScene(

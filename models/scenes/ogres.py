@@ -12,11 +12,10 @@ from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from ..layouts.placement import place
 from ..layouts.scene_builder import scene_of_objects
 from ..meshes.geometry import Geometry
-from ..meshes.level_mesh import level_counts, level_mesh
-from ..meshes.mesh_error import ErrorMeter, Sampling
+from ..meshes.mesh_error import Sampling
 from ..meshes.shapes import lump, move_part, revolved
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
-from ..meshes.type_model import TypeModel
+from ..meshes.type_model import TypeModel, measure_levels
 from ..scene.scene import Scene
 from .scene_registry import BundledScene
 
@@ -53,7 +52,7 @@ def _scatter(
     radius = np.array([0.6, 1.5])[kind]
     plan = place("scatter", scale * radius, rng, side_m=_SIDE_M)
     yaw = rng.uniform(-np.pi, np.pi, n)
-    return scene_of_objects(name, models, kind, plan, yaw, scale, np.ones(n))
+    return scene_of_objects(name, models, kind, plan, yaw, scale)
 
 
 def _ogre(rng: np.random.Generator) -> TypeModel:
@@ -88,13 +87,7 @@ def _tree(rng: np.random.Generator) -> TypeModel:
     foliage = collapse_leaves(_crown(rng), least=round(_LEAST * _LEAVES))
     shares = np.geomspace(1.0, _LEAST, _KNOTS)
     surfaces = [_tree_surface(trunk, foliage, float(share)) for share in shares]
-    full = surfaces[0]
-    meter = ErrorMeter(full.positions, full.faces, _SAMPLING)
-    errors = [0.0, *(meter.error_m(s.positions, s.faces) for s in surfaces[1:])]
-    meshes = [level_mesh(s, s.positions, s.faces, s.part, s.uv_index) for s in surfaces]
-    counts = np.stack([level_counts(s, m) for s, m in zip(surfaces, meshes, strict=True)])
-    worst = np.maximum.accumulate(errors)
-    return TypeModel("tree", tuple(meshes), counts, worst, continuous=True)
+    return measure_levels(surfaces, _SAMPLING, continuous=True)
 
 
 def _trunk() -> MeshPart:
@@ -130,8 +123,8 @@ def _tree_surface(trunk: OrderedSurface, foliage: Foliage, share: float) -> Surf
     faces, _, _ = trunk.extract(round(share * len(trunk.full.faces)))
     rows = foliage.extract(round(share * foliage.full))
     points, leaves = leaf_triangles(foliage.leaves.at(rows))
-    bark = MeshPart(trunk.full.positions, faces.astype(np.int64), material=0)
-    return clean_surface("tree", [bark, MeshPart(points, leaves.astype(np.int64), material=1)])
+    bark = MeshPart(trunk.full.positions, faces, material=0)
+    return clean_surface("tree", [bark, MeshPart(points, leaves, material=1)])
 
 
 OGRES = BundledScene("3,000 ogres of 1,960 triangles, continuous to 10 %", build_ogres)

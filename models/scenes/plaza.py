@@ -68,21 +68,17 @@ def build_plaza() -> tuple[Scene, Geometry]:
         build_chain(make(shape_rng), chain, sampling)
         for make in (rock_mesh, figure_mesh, house_mesh, tree_mesh)
     ]
-    plans: list[FloatArray] = []
-    scales: list[FloatArray] = []
-    for region, model in zip(_REGIONS, models, strict=True):
-        plan, scale = _populate(region, model, place_rng)
-        plans.append(plan)
-        scales.append(scale)
+    regions = zip(_REGIONS, models, strict=True)
+    placed = [_populate(region, model, place_rng) for region, model in regions]
     counts = [region.count for region in _REGIONS]
     kind = np.repeat(np.arange(len(models), dtype=np.int32), counts)
     return scene_of_objects(
         "plaza",
         models,
         kind,
-        np.concatenate(plans),
+        np.concatenate([plan for plan, _ in placed]),
         place_rng.uniform(-np.pi, np.pi, len(kind)),
-        np.concatenate(scales),
+        np.concatenate([scale for _, scale in placed]),
         np.repeat([region.importance for region in _REGIONS], counts),
         _walkers(kind, motion_rng),
     )

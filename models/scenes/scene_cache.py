@@ -31,13 +31,13 @@ def cache_folder() -> Path:
     named = os.environ.get(_VARIABLE)
     if named:
         return Path(named)
+    home = Path.home()
     if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "lodbench"
+        return home / "Library" / "Caches" / "lodbench"
     if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA")
-        return (Path(base) if base else Path.home() / "AppData" / "Local") / "lodbench" / "Cache"
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "lodbench"
+        local = os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local"
+        return Path(local) / "lodbench" / "Cache"
+    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "lodbench"
 
 
 def cached_scene(name: str, build: Build) -> tuple[Scene, Callable[[], Geometry]]:

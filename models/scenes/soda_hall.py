@@ -15,6 +15,7 @@ from ..meshes.simplify import ChainOptions, build_chain
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from ..meshes.type_model import gather_types
 from ..scene.cells import Cells
+from ..scene.rotation import turn_about_z
 from ..scene.scene import Scene
 from .parts.floor_plan import CORRIDOR_M, DEPTH_M, LENGTH_M, FloorPlan, plan_floor
 from .parts.furniture import CABINET, CHAIR, COMPUTER, DESK, LAMP, PLANT, SHELF, make_furniture
@@ -67,21 +68,12 @@ def build_soda_hall() -> tuple[Scene, Geometry]:
     place.append(panels)
     cell.append(np.full(len(panels), first))
     yaw.append(panel_yaw)
-    kinds, places = np.concatenate(kind), np.concatenate(place)
-    n = len(kinds)
-    turn = np.zeros((n, 4))
-    half = np.concatenate(yaw) / 2.0
-    turn[:, 2], turn[:, 3] = np.sin(half), np.cos(half)
-    scene = Scene(
+    scene = Scene.of(
         "soda-hall",
         types,
-        kinds,
-        places,
-        turn,
-        np.ones(n),
-        np.ones(n),
-        np.full(n, -1),
-        np.zeros(n, dtype=np.bool_),
+        np.concatenate(kind),
+        np.concatenate(place),
+        turn_xyzw=turn_about_z(np.concatenate(yaw)),
         cells=_cells(plans, np.concatenate(cell)),
     )
     return scene, geometry

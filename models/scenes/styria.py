@@ -8,16 +8,13 @@ that is set up.  The province's own heights are not public: these are made of sm
 valleys, and trees stand below the tree line where it is not too steep.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.predictors import LEVEL_PREDICTORS
 from ..continuous.splat_tree import SplatTree, splat_levels
-from ..continuous.terrain import TerrainQuadtree, build_terrain
+from ..continuous.terrain import SAMPLE_BYTES, TerrainQuadtree, build_terrain
 from ..meshes.geometry import Geometry
-from ..scene.levels import LevelTable
+from ..scene.levels import LevelTable, count_rows
 from ..scene.scene import ObjectTypes, Scene
 from .parts.forest_groups import TreeGroups, group_trees
 from .scene_registry import BundledScene
@@ -45,23 +42,11 @@ def build_styria() -> tuple[Scene, Geometry]:
     ground_types, ground_kind = _terrain_types(terrain)
     forest_types, forest_kind = _forest_types(groups, rng)
     types = _join(ground_types, forest_types)
-    n, m = len(terrain.parent), len(groups.parent)
+    n = len(terrain.parent)
     parent = np.concatenate((terrain.parent, np.where(groups.parent < 0, -1, groups.parent + n)))
     center = np.concatenate((terrain.center_m, groups.center_m))
-    turn = np.zeros((n + m, 4))
-    turn[:, 3] = 1.0
-    scene = Scene(
-        "styria",
-        types,
-        np.concatenate((ground_kind, forest_kind + len(ground_types.names))),
-        center,
-        turn,
-        np.ones(n + m),
-        np.ones(n + m),
-        parent,
-        np.zeros(n + m, dtype=np.bool_),
-    )
-    return scene, ()
+    kind = np.concatenate((ground_kind, forest_kind + len(ground_types.names)))
+    return Scene.of("styria", types, kind, center, parent=parent), ()
 
 
 def styria_heights() -> FloatArray:
@@ -116,38 +101,23 @@ def _terrain_types(terrain: TerrainQuadtree) -> tuple[ObjectTypes, IntArray]:
             kinds.append((f"patch-{depth}-{number}", float(radius), float(worst)))
     names, radius, worst = (list(column) for column in zip(*kinds, strict=True))
     n = len(names)
-    counts = np.zeros((n, len(LEVEL_PREDICTORS)))
-    for predictor, value in (
-        ("draw_calls", 1.0),
-        ("vertices", float(terrain.vertices)),
-        ("triangles", float(terrain.triangles)),
-    ):
-        counts[:, LEVEL_PREDICTORS.index(predictor)] = value
-    sizes = np.full(n, 16.0 * terrain.vertices)
+    counts = count_rows(n, draw_calls=1, vertices=terrain.vertices, triangles=terrain.triangles)
+    sizes = np.full(n, SAMPLE_BYTES * terrain.vertices)
     levels = LevelTable(np.arange(n + 1), counts, np.array(worst), sizes, np.zeros(n, np.bool_))
     return ObjectTypes(tuple(names), np.zeros((n, 3)), np.array(radius), levels), kind
-
-
-@dataclass(frozen=True, slots=True)
-class _Kind:
-    """Nodes of the forest that look alike: as many trees in as large a sphere."""
-
-    trees: int
-    radius_m: float
 
 
 def _forest_types(groups: TreeGroups, rng: np.random.Generator) -> tuple[ObjectTypes, IntArray]:
     """Return types of groups by their number of trees and size, and of empty nodes by size."""
     octave = np.ceil(2.0 * np.log2(groups.radius_m)).astype(np.int64)  # sizes 1.4 times apart
     pairs, kind = np.unique(np.stack((groups.trees, octave), 1), axis=0, return_inverse=True)
-    kinds = [_Kind(int(trees), float(2.0 ** (o / 2.0))) for trees, o in pairs.tolist()]
+    kinds = [(trees, 2.0 ** (o / 2.0)) for trees, o in pairs.tolist()]
     tree = _splat_tree(rng)
     tables = {trees: splat_levels(tree, knots=_KNOTS, trees=trees) for trees in range(1, 65)}
-    nothing, no = np.zeros((1, len(LEVEL_PREDICTORS))), np.zeros(1, dtype=np.bool_)
-    none = LevelTable(np.array([0, 1]), nothing, np.zeros(1), np.zeros(1), no)
-    table = _stack([tables[k.trees] if k.trees else none for k in kinds])
-    names = tuple(f"trees-{k.trees}-{k.radius_m:.0f}m" for k in kinds)
-    radius = np.array([k.radius_m for k in kinds])
+    none = LevelTable(np.array([0, 1]), count_rows(1), np.zeros(1), np.zeros(1), np.zeros(1, bool))
+    table = _stack([tables[trees] if trees else none for trees, _ in kinds])
+    names = tuple(f"trees-{trees}-{radius:.0f}m" for trees, radius in kinds)
+    radius = np.array([radius for _, radius in kinds])
     return ObjectTypes(names, np.zeros((len(kinds), 3)), radius, table), kind.ravel()
 
 

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ...base.errors import InputError
+from ...base.errors import InputError, require_between
 from .tile_schema import Availability, ImplicitTiling, Subtree
 
 ReadLink: TypeAlias = Callable[[str], bytes]
@@ -84,8 +84,7 @@ def expand(tiling: ImplicitTiling, read: ReadLink, most: int) -> ImplicitTiles:
 def _check(tiling: ImplicitTiling, axes: int, most: int) -> int:
     """Return the levels of a subtree after checking that its bits can be held."""
     depth = tiling.subtree_levels
-    if not 1 <= tiling.levels <= _MAX_LEVELS:
-        raise InputError(f"availableLevels: expected 1 to {_MAX_LEVELS}, got {tiling.levels}")
+    require_between(tiling.levels, 1, _MAX_LEVELS, "availableLevels")
     if not (1 <= depth <= _MAX_LEVELS and 1 << (axes * (depth - 1)) <= most):
         raise InputError(
             f"subtreeLevels: expected subtrees of at most {most} tiles, got {depth} levels"

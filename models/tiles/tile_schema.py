@@ -8,6 +8,8 @@ from typing import Literal, TypeAlias
 
 import msgspec
 
+from ..gltf.gltf_schema import Asset, Buffer
+
 _Six: TypeAlias = tuple[float, float, float, float, float, float]
 _Twelve: TypeAlias = tuple[
     float, float, float, float, float, float, float, float, float, float, float, float
@@ -93,14 +95,10 @@ class Tile(_Struct, frozen=True):
         return self.implicit_tiling or self.extensions.implicit
 
 
-class _Asset(_Struct, frozen=True):
-    version: str
-
-
 class Tileset(_Struct, frozen=True):
     """A tileset document."""
 
-    asset: _Asset
+    asset: Asset
     root: Tile
 
 
@@ -123,16 +121,11 @@ class _BufferView(_Struct, frozen=True):
     byte_length: int
 
 
-class _Buffer(_Struct, frozen=True):
-    byte_length: int
-    uri: str | None = None
-
-
 class Subtree(_Struct, frozen=True):
     """What is there of one subtree of an implicit tree."""
 
     tile_availability: Availability
     child_subtree_availability: Availability
     content_availability: list[Availability] | Availability = []
-    buffers: list[_Buffer] = []
+    buffers: list[Buffer] = []
     buffer_views: list[_BufferView] = []

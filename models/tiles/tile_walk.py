@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ...base.strict_json import decode_json
 from .bounding_volumes import read_volume
 from .implicit_tiling import expand, fill_template, subdivide
@@ -19,61 +19,55 @@ MAX_TILES = 100_000
 _MAX_JSON_BYTES = 32 << 20
 _MAX_SUBTREE_BYTES = 16 << 20
 _MAX_TILESETS = 5_000
-_Matrix: TypeAlias = FloatArray
 
 
-@dataclass(slots=True)
-class TileTable:
-    """N tiles, parents first, as lists that grow during the walk.
+class TileRow(NamedTuple):
+    """A tile as a scene needs it.
 
     Attributes
     ----------
     parent : row of the parent or -1
-    error : geometricError, NaN where it is missing
+    error : geometricError, None where it is missing
     additive : whether the tile stays drawn beside its children
-    kind, numbers : bounding volume as `read_volume` gives it
-    transform : row of `matrices`
+    volume : bounding volume as `read_volume` gives it
+    matrix : (4, 4) from the tile's frame to that of the tileset
     files : files of its contents, None for one that is not on the disk
+    """
+
+    parent: int
+    error: float | None
+    additive: bool
+    volume: tuple[int, tuple[float, ...]]
+    matrix: FloatArray
+    files: list[Path | None]
+
+
+@dataclass(slots=True)
+class TileTable:
+    """N tiles, parents first, in a list that grows during the walk.
+
+    Attributes
+    ----------
+    rows : the tiles
     request_volumes : tiles with a viewerRequestVolume
     tilesets : tileset files, each as often as it is used
     """
 
-    parent: list[int] = field(default_factory=list[int])
-    error: list[float] = field(default_factory=list[float])
-    additive: list[bool] = field(default_factory=list[bool])
-    kind: list[int] = field(default_factory=list[int])
-    numbers: list[tuple[float, ...]] = field(default_factory=list[tuple[float, ...]])
-    transform: list[int] = field(default_factory=list[int])
-    files: list[list[Path | None]] = field(default_factory=list[list[Path | None]])
-    matrices: list[_Matrix] = field(default_factory=list[_Matrix])
+    rows: list[TileRow] = field(default_factory=list[TileRow])
     request_volumes: int = 0
     tilesets: int = 0
 
     def __len__(self) -> int:
         """Return the number of tiles."""
-        return len(self.parent)
+        return len(self.rows)
 
-    def add(
-        self,
-        parent: int,
-        error: float | None,
-        additive: bool,
-        volume: tuple[int, tuple[float, ...]],
-        files: list[Path | None],
-    ) -> int:
-        """Add a tile that stands in the newest matrix; return its row."""
+    def add(self, row: TileRow) -> None:
+        """Add a tile."""
         if len(self) >= MAX_TILES:
             raise InputError(f"tileset: expected at most {MAX_TILES} tiles, got more")
-        if error is not None and not 0.0 <= error < np.inf:
-            raise InputError(f"geometricError: expected metres >= 0, got {error}")
-        self.parent.append(parent)
-        self.error.append(np.nan if error is None else error)
-        self.additive.append(additive)
-        self.kind.append(volume[0])
-        self.numbers.append(volume[1])
-        self.transform.append(len(self.matrices) - 1)
-        self.files.append(files)
-        return len(self) - 1
+        if row.error is not None and not 0.0 <= row.error < np.inf:
+            raise InputError(f"geometricError: expected metres >= 0, got {row.error}")
+        self.rows.append(row)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +76,7 @@ class _Step:
 
     tile: Tile
     parent: int
-    matrix: _Matrix
+    matrix: FloatArray
     additive: bool
     folder: Folder
     above: tuple[Path, ...]  # tilesets that this one is inside of
@@ -100,10 +94,8 @@ def walk_tileset(path: Path) -> TileTable:
     stack = [_Step(walk.root(here, path), -1, np.eye(4), False, folder, (here,))]
     while stack:
         step = stack.pop()
-        try:
+        with about_file(path):
             stack.extend(reversed(list(walk.visit(step))))
-        except InputError as error:
-            raise InputError(error.message, path=error.path or path) from error
     return walk.table
 
 
@@ -146,16 +138,16 @@ class _Walk:
             if not np.isfinite(own).all() or not np.array_equal(own[3], (0.0, 0.0, 0.0, 1.0)):
                 raise InputError("transform: expected a finite affine matrix, got another")
             matrix = matrix @ own
-        table.matrices.append(matrix)
         table.request_volumes += tile.viewer_request_volume is not None
         additive = _refine(tile.refine, step.additive)
         volume = read_volume(tile.bounding_volume)
         if tile.implicit is not None:
-            _add_implicit(table, step, volume, additive)
+            _add_implicit(table, step, TileRow(step.parent, None, additive, volume, matrix, []))
             return
         found = [(link, step.folder.find(link)) for link in tile.links]
-        drawn = [path for link, path in found if not _is_tileset(link)]
-        row = table.add(step.parent, tile.geometric_error, additive, volume, drawn)
+        files = [path for link, path in found if not _is_tileset(link)]
+        row, error = len(table), tile.geometric_error
+        table.add(TileRow(step.parent, error, additive, volume, matrix, files))
         for link, path in found:
             if _is_tileset(link) and path is not None:
                 if path in step.above:
@@ -166,7 +158,7 @@ class _Walk:
                 inner = step.folder.beside(path)
                 yield _Step(self.root(path), row, matrix, False, inner, below)
             elif _is_tileset(link):
-                table.files[row].append(None)
+                files.append(None)
         for child in tile.children:
             yield _Step(child, row, matrix, additive, step.folder, step.above)
 
@@ -195,22 +187,21 @@ def _refine(text: str | None, inherited: bool) -> bool:
     return text.upper() == "ADD"
 
 
-def _add_implicit(
-    table: TileTable, step: _Step, volume: tuple[int, tuple[float, ...]], additive: bool
-) -> None:
+def _add_implicit(table: TileTable, step: _Step, root: TileRow) -> None:
     """Add the tiles of an implicit tree; errors halve from level to level."""
     tile, tiling = step.tile, step.tile.implicit
     assert tiling is not None
-    kind, numbers = volume
+    kind, numbers = root.volume
     most = MAX_TILES - len(table)
     tiles = expand(tiling, lambda link: step.folder.read(link, _MAX_SUBTREE_BYTES), most)
     flat = tiling.subdivision_scheme == "QUADTREE"
     volumes = subdivide(kind, np.array(numbers), tiles, flat=flat).tolist()
     first = len(table)
-    levels, cells, parents = tiles.level.tolist(), tiles.cell, tiles.parent.tolist()
-    for i, level in enumerate(levels):
+    parents: list[int] = tiles.parent.tolist()
+    for i, level in enumerate(tiles.level.tolist()):
         error = None if tile.geometric_error is None else tile.geometric_error / 2.0**level
         parent = step.parent if parents[i] < 0 else first + parents[i]
         links = tile.links if tiles.content[i] else ()
-        files = [step.folder.find(fill_template(link, level, cells[i])) for link in links]
-        table.add(parent, error, additive, (kind, tuple(volumes[i])), files)
+        files = [step.folder.find(fill_template(link, level, tiles.cell[i])) for link in links]
+        volume = (kind, tuple(volumes[i]))
+        table.add(root._replace(parent=parent, error=error, volume=volume, files=files))

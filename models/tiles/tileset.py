@@ -7,7 +7,6 @@ touches it there: x east, y north, z up.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -31,20 +30,19 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
 
     A `geometricError` that is missing is read as 0.
 
-    Raises
-    ------
-    InputError
-        As `walk_tileset`; or if a volume is out of range.
+    Raises `InputError` as `walk_tileset`, or if a volume is out of range.
     """
     table = walk_tileset(path)
-    transform = np.stack(table.matrices)[table.transform]
-    numbers = np.array(table.numbers)
+    transform = np.stack([row.matrix for row in table.rows])
+    kinds, numbers = (
+        np.array(column) for column in zip(*(r.volume for r in table.rows), strict=True)
+    )
     with np.errstate(over="ignore", invalid="ignore"):  # found by the check, which says it better
-        center, radius = bounding_spheres(np.array(table.kind), numbers, transform)
+        center, radius = bounding_spheres(kinds, numbers, transform)
         farthest = float(np.abs(center).max() + radius.max())
     if not farthest <= _MAX_DISTANCE_M:
         raise InputError(f"bounding volumes: expected within 1e9 m, got {farthest:g} m", path=path)
-    error = np.array(table.error)
+    error = np.array([row.error for row in table.rows], dtype=np.float64)  # NaN if missing
     # A transform scales errors too (3D Tiles 1.1, section 6.7.4).
     error *= np.linalg.norm(transform[:, :3, :3], axis=1).max(axis=1)
     on_earth = _EARTH_M[0] <= np.linalg.norm(center[0]) <= _EARTH_M[1]
@@ -52,8 +50,13 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
         center = _to_tangent_plane(center)
     counts, size, read, absent = _contents(table)
     name = path.parent.resolve().name if path.stem == "tileset" else path.stem
-    scene = _scene(name, table, center, np.maximum(radius, _LEAST_RADIUS_M), error, counts, size)
-    contents = sum(map(len, table.files))
+    types = _types(np.maximum(radius, _LEAST_RADIUS_M), error, counts, size)
+    parent, additive = (
+        [getattr(row, name) for row in table.rows] for name in ("parent", "additive")
+    )
+    rows = np.arange(len(table))
+    scene = Scene.of(name, types, rows, center, parent=parent, additive=additive)
+    contents = sum(len(row.files) for row in table.rows)
     return scene, SceneOrigin(
         "3d-tiles",
         (path.name,),
@@ -76,8 +79,8 @@ def _contents(table: TileTable) -> tuple[FloatArray, FloatArray, int, int]:
     counts, size = np.zeros((len(table), len(LEVEL_PREDICTORS))), np.zeros(len(table))
     known: dict[Path, FloatArray | None] = {}
     read = absent = 0
-    for row, files in enumerate(table.files):
-        for path in files:
+    for row, tile in enumerate(table.rows):
+        for path in tile.files:
             if path is None:
                 absent += 1
                 continue
@@ -101,28 +104,10 @@ def _to_tangent_plane(center: FloatArray) -> FloatArray:
     return (center - center[0]) @ axes.T
 
 
-def _scene(
-    name: str,
-    table: TileTable,
-    center: FloatArray,
-    radius: FloatArray,
-    error: FloatArray,
-    counts: FloatArray,
-    size: FloatArray,
-) -> Scene:
-    n = len(table)
-    levels = LevelTable(
-        np.arange(n + 1), counts, np.nan_to_num(error), size, np.zeros(n, dtype=np.bool_)
-    )
-    names = tuple(f"tile-{i}" for i in range(n))
-    still: dict[str, Any] = {"scale": np.ones(n), "importance": np.ones(n)}
-    return Scene(
-        name,
-        ObjectTypes(names, np.zeros((n, 3)), radius, levels),
-        np.arange(n),
-        center,
-        np.broadcast_to((0.0, 0.0, 0.0, 1.0), (n, 4)),
-        parent=np.array(table.parent),
-        additive=np.array(table.additive),
-        **still,
-    )
+def _types(
+    radius_m: FloatArray, error_m: FloatArray, counts: FloatArray, size: FloatArray
+) -> ObjectTypes:
+    n = len(radius_m)
+    none = np.zeros(n, dtype=np.bool_)
+    levels = LevelTable(np.arange(n + 1), counts, np.nan_to_num(error_m), size, none)
+    return ObjectTypes(tuple(f"tile-{i}" for i in range(n)), np.zeros((n, 3)), radius_m, levels)

@@ -1,10 +1,65 @@
 """Checks of arrays: conversion, shape, order, read-only, finite."""
 
+from dataclasses import dataclass, field
+from typing import Annotated
+
 import numpy as np
 import pytest
 
-from lodbench.base.arrays import frozen_array, require_finite
+from lodbench.base.arrays import (
+    FloatArray,
+    IntArray,
+    declared_arrays,
+    derive,
+    freeze,
+    frozen_array,
+    require_finite,
+)
 from lodbench.base.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """N points and the N + 1 rows at which their segments start."""
+
+    name: str
+    point: Annotated[FloatArray, np.float64, "N", 2]
+    start: Annotated[IntArray, np.int32, "N + 1"]
+    weight: Annotated[FloatArray | None, np.float64, "N"] = None
+    length: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        freeze(self, "path", N=len(self.point))
+        derive(self, length=np.linalg.norm(self.point, axis=1))
+
+
+def test_a_struct_holds_what_it_declares() -> None:
+    """Arrays take the declared dtype, stay apart from the caller's and cannot be written to."""
+    given = np.array([(3, 4), (0, 1)])
+    path = Route("a", given, np.array([0, 1, 2]))
+    given[0, 0] = 9
+    assert path.point.tolist() == [[3.0, 4.0], [0.0, 1.0]]
+    assert (path.point.dtype, path.start.dtype) == (np.float64, np.int32)
+    assert path.weight is None
+    assert path.length.tolist() == [5.0, 1.0]
+    assert not any(a.flags.writeable for a in (path.point, path.start, path.length))
+    assert declared_arrays(Route)["start"] == (np.int32, ("N + 1",))
+
+
+@pytest.mark.parametrize(
+    ("point", "start", "message"),
+    [
+        (np.zeros((2, 3)), np.zeros(3), r"path point: expected shape \(2, 2\), got \(2, 3\)"),
+        (np.zeros((2, 2)), np.zeros(2), r"path start: expected shape \(3,\), got \(2,\)"),
+        (np.full((1, 2), np.nan), np.zeros(2), "path point: expected finite values"),
+    ],
+)
+def test_a_struct_refuses_what_it_does_not_declare(
+    point: np.ndarray, start: np.ndarray, message: str
+) -> None:
+    """Another shape, or a value that is not finite, is told by the field's name."""
+    with pytest.raises(InputError, match=message):
+        Route("a", point, start)
 
 
 def test_a_frozen_array_is_a_copy_that_cannot_be_written_to() -> None:

@@ -2,7 +2,9 @@
 
 import pickle
 
-from lodbench.base.errors import InputError
+import pytest
+
+from lodbench.base.errors import InputError, about_file, require_between
 
 
 def test_an_error_is_one_line_whatever_a_library_explains() -> None:
@@ -17,3 +19,28 @@ def test_an_error_comes_back_whole_from_another_process() -> None:
     """Path and line are not lost between a worker and who started it."""
     error = pickle.loads(pickle.dumps(InputError("expected a number", path="a.csv", line=3)))
     assert str(error) == "a.csv:3: expected a number"
+
+
+def test_an_error_of_a_block_is_about_its_file() -> None:
+    """The file is named, the line kept; an error that names another file stays as it is."""
+    with pytest.raises(InputError, match=r"^a\.toml:3: no$"), about_file("a.toml"):
+        raise InputError("no", line=3)
+    with pytest.raises(InputError, match=r"^b\.toml: no$"), about_file("a.toml"):
+        raise InputError("no", path="b.toml")
+
+
+@pytest.mark.parametrize(
+    ("value", "high", "message"),
+    [
+        (0, 4, "count: expected 1 to 4, got 0"),
+        (5, 4, "count: expected 1 to 4, got 5"),
+        (float("nan"), 4, "count: expected 1 to 4, got nan"),
+        (0, float("inf"), "count: expected at least 1, got 0"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(value: float, high: float, message: str) -> None:
+    """Both bounds belong to the range."""
+    require_between(1, 1, high, "count")
+    require_between(4, 1, high, "count")
+    with pytest.raises(InputError, match=message):
+        require_between(value, 1, high, "count")

@@ -68,17 +68,13 @@ def _doors(boxes: FloatArray, rooms: int) -> Doors:
     for room in range(rooms):
         x = float(boxes[room, [0, 2]].mean())
         if room < _ROW:  # south: the corridor lies to the north
-            pairs.append((room, a))
-            ends.append(((x - half, _A), (x + half, _A)))
-        elif room < 2 * _ROW and room % 2:
-            pairs.append((room, b))
-            ends.append(((x - half, _B), (x + half, _B)))
+            pair, y = (room, a), _A
         elif room < 2 * _ROW:
-            pairs.append((a, room))
-            ends.append(((x - half, _CORE), (x + half, _CORE)))
+            pair, y = ((room, b), _B) if room % 2 else ((a, room), _CORE)
         else:
-            pairs.append((b, room))
-            ends.append(((x - half, _NORTH), (x + half, _NORTH)))
+            pair, y = (b, room), _NORTH
+        pairs.append(pair)
+        ends.append(((x - half, y), (x + half, y)))
     for room in range(0, _ROW - 1, _LINKED_EVERY):
         x, y = float(boxes[room, 2]), 2.0
         pairs.append((room, room + 1))

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from index_set import ExtractionWork, change_leaves
 
 from lodbench import InputError
 from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.continuous.foliage import Foliage, Leaves, collapse_leaves, leaf_triangles
-from lodbench.models.continuous.foliage_type import foliage_type
-from lodbench.models.continuous.index_set import ExtractionWork
 from lodbench.models.meshes.mesh_error import Sampling
-from lodbench.models.meshes.type_model import gather_types
+from lodbench.models.meshes.surface_mesh import MeshPart, clean_surface
+from lodbench.models.meshes.type_model import gather_types, measure_levels
 
 
 def crown(count: int, seed: int = 0) -> Leaves:
@@ -77,9 +77,9 @@ def test_centre_of_area_is_kept(foliage: Foliage) -> None:
 
 def test_operations_are_counted(foliage: Foliage) -> None:
     """A collapse removes two leaves and writes one; undone, it writes two."""
-    assert foliage.change(400, 399) == ExtractionWork(6, 6, 3)
-    assert foliage.change(399, 400) == ExtractionWork(6, 12, 3)
-    assert foliage.change(50, 50) == ExtractionWork(0, 0, 0)
+    assert change_leaves(foliage, 400, 399) == ExtractionWork(6, 6, 3)
+    assert change_leaves(foliage, 399, 400) == ExtractionWork(6, 12, 3)
+    assert change_leaves(foliage, 50, 50) == ExtractionWork(0, 0, 0)
 
 
 def test_triangles_of_leaves_have_their_area() -> None:
@@ -94,8 +94,11 @@ def test_triangles_of_leaves_have_their_area() -> None:
 
 
 def test_a_type_of_knots(foliage: Foliage) -> None:
-    """Knots run from all leaves to the fewest, errors rise from 0, and a table holds them."""
-    model = foliage_type("tree", foliage, Sampling(400, 400), knots=6, least=20)
+    """Foliage is measured as any levels: errors rise from 0, and a table holds them."""
+    counts = (400, 220, 121, 66, 36, 20)
+    drawn = [leaf_triangles(foliage.leaves.at(foliage.extract(count))) for count in counts]
+    surfaces = [clean_surface("tree", [MeshPart(*triangles)]) for triangles in drawn]
+    model = measure_levels(surfaces, Sampling(400, 400), continuous=True)
     triangles = model.counts[:, LEVEL_PREDICTORS.index("triangles")]
     assert triangles[[0, -1]].tolist() == [800, 40]
     assert (model.counts[:, LEVEL_PREDICTORS.index("vertices")] == 2 * triangles).all()
@@ -124,5 +127,3 @@ def test_leaves_without_area_are_refused() -> None:
         Leaves(np.full((1, 3), np.nan), line, np.array([(0.0, 1.0, 0.0)]))
     with pytest.raises(InputError, match="least: expected 1 to 3"):
         collapse_leaves(crown(3), least=4)
-    with pytest.raises(InputError, match="knots: expected 2"):
-        foliage_type("tree", collapse_leaves(crown(3)), Sampling(10, 10), knots=1)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from index_set import ExtractionWork, IndexSet
 
 from lodbench.models.continuous.collapse import Contraction, contract
-from lodbench.models.continuous.index_set import ExtractionWork, IndexSet
 from lodbench.models.continuous.ordered_mesh import OrderedMesh, order_mesh
 from lodbench.models.meshes.surface_mesh import SurfaceMesh
 

@@ -6,7 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from model_tables import collapse_errors, extraction_work, memory_of, overhead_at, texture_errors
+from model_tables import (
+    collapse_errors,
+    extraction_work,
+    memory_of,
+    overhead_at,
+    texture_errors,
+    traversal_overhead,
+)
 
 from lodbench.models.continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from lodbench.models.meshes.mesh_error import Sampling
@@ -53,7 +60,7 @@ def test_the_fewest_triangles_are_few(name: str, data_dir: Path) -> None:
 def test_overhead_and_memory(name: str, data_dir: Path) -> None:
     """Traversal visits less than 35 % more than it draws; substitutes cost an index a vertex."""
     ordered = surface(data_dir / "meshes" / name).ordered
-    assert ordered.traversal_overhead().max() < 0.35
+    assert traversal_overhead(ordered).max() < 0.35
     memory = memory_of(ordered)
     assert memory.substitutes == 4 * int(ordered.vertices_after[0])
     assert memory.substitutes < 0.1 * memory.single

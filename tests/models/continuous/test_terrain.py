@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from lodbench import InputError
-from lodbench.models.continuous.terrain import TerrainQuadtree, build_terrain, terrain_scene
+from lodbench.models.continuous.terrain import SAMPLE_BYTES, TerrainQuadtree, build_terrain
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.scene.camera import Camera
-from lodbench.models.scene.scene import Scene
+from lodbench.models.scene.levels import LevelTable, count_rows
+from lodbench.models.scene.scene import ObjectTypes, Scene
 from lodbench.policies.budgets.zach import Zach
 from lodbench.policies.view import View
 
@@ -90,6 +91,17 @@ def test_a_plane_needs_no_detail() -> None:
     """A slope is exact at any depth."""
     y, x = np.mgrid[0:33, 0:33]
     assert build_terrain(2.0 * x - 0.5 * y, 1.0, patch=8).error_m == pytest.approx(0.0, abs=1e-9)
+
+
+def terrain_scene(name: str, terrain: TerrainQuadtree) -> Scene:
+    """Return the quadtree as a scene: a node and a type of one level for each patch."""
+    n = len(terrain.parent)
+    counts = count_rows(n, draw_calls=1, vertices=terrain.vertices, triangles=terrain.triangles)
+    sizes = np.full(n, SAMPLE_BYTES * terrain.vertices)
+    levels = LevelTable(np.arange(n + 1), counts, terrain.error_m, sizes, np.zeros(n, np.bool_))
+    names = tuple(f"patch-{i}" for i in range(n))
+    types = ObjectTypes(names, np.zeros((n, 3)), terrain.radius_m, levels)
+    return Scene.of(name, types, np.arange(n), terrain.center_m, parent=terrain.parent)
 
 
 def test_zach_refines_the_terrain(

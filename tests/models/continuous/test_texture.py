@@ -4,35 +4,41 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from texture_meter import TextureMeter
 
 from lodbench.models.continuous.knots import OrderedSurface
 from lodbench.models.continuous.ordered_mesh import order_mesh
-from lodbench.models.continuous.texture import DrawnVertices, classify_vertices, contract_textured
-from lodbench.models.continuous.texture_error import TextureMeter
+from lodbench.models.continuous.texture import DrawnVertices, contract_textured, fixed_positions
 from lodbench.models.meshes.mesh_error import ErrorMeter, Sampling
 from lodbench.models.meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 
+def classes_of(mesh: SurfaceMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return Peng's three classes of positions: fixed, companioned, regular."""
+    drawn = DrawnVertices.of(mesh)
+    fixed, split = fixed_positions(mesh, drawn), np.bincount(drawn.position)
+    return fixed, ~fixed & (split == 2), ~fixed & (split == 1)
+
+
 def test_classes_of_the_tube(tube: SurfaceMesh) -> None:
     """Both ends are fixed, the seam's 39 positions between them companioned, all else regular."""
-    drawn = DrawnVertices.of(tube)
-    classes = classify_vertices(tube, drawn)
+    fixed, companioned, regular = classes_of(tube)
     ends = np.isin(tube.positions[:, 2], (0.0, 6.0))
     x, y, z = tube.positions.T
     seam = np.isclose(np.cos(np.arctan2(y, x) - 0.8 * z), 1.0)
-    assert (classes.fixed == ends).all()
-    assert (classes.companioned == seam & ~ends).all()
-    assert classes.companioned.sum() == 39
-    assert (classes.regular == ~seam & ~ends).all()
-    assert len(drawn.position) == len(tube.positions) + 41
+    assert (fixed == ends).all()
+    assert (companioned == seam & ~ends).all()
+    assert companioned.sum() == 39
+    assert (regular == ~seam & ~ends).all()
+    assert len(DrawnVertices.of(tube).position) == len(tube.positions) + 41
 
 
 def test_classes_of_a_sheet(sheet: SurfaceMesh) -> None:
     """On a sheet without a seam the 80 positions of the border are fixed."""
-    classes = classify_vertices(sheet, DrawnVertices.of(sheet))
-    assert classes.fixed.sum() == 80
-    assert classes.regular.sum() == 19 * 19
-    assert not classes.companioned.any()
+    fixed, companioned, regular = classes_of(sheet)
+    assert fixed.sum() == 80
+    assert regular.sum() == 19 * 19
+    assert not companioned.any()
 
 
 def test_three_charts_fix_a_vertex() -> None:
@@ -44,11 +50,11 @@ def test_three_charts_fix_a_vertex() -> None:
         MeshPart(points, np.array(faces[2 * m] + faces[2 * m + 1]), material=m) for m in range(3)
     ]
     mesh = clean_surface("gem", parts)
-    classes = classify_vertices(mesh, DrawnVertices.of(mesh))
+    fixed, companioned, regular = classes_of(mesh)
     poles = mesh.positions[:, 2] != 0.0
-    assert (classes.fixed == poles).all()
-    assert classes.companioned.sum() == 3
-    assert classes.regular.sum() == 3
+    assert (fixed == poles).all()
+    assert companioned.sum() == 3
+    assert regular.sum() == 3
 
 
 def test_companions_go_together(tube: SurfaceMesh) -> None:

@@ -183,6 +183,22 @@ def test_buffers_stay_in_the_folder(tmp_path: Path) -> None:
     assert len(read_gltf_scene(tmp_path / "in" / "a.gltf", FEW)[0]) == 1
 
 
+@pytest.mark.parametrize("text", ["A\u00e9==", "A!==", "A"])
+def test_a_buffer_that_is_no_base64_is_refused(text: str, tmp_path: Path) -> None:
+    """Letters beyond ASCII, other signs, a length that cannot be: one line that names the file."""
+    node = {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}]}
+    mesh = {"primitives": [{"attributes": {"POSITION": 0}}]}
+    view = {"buffer": 0, "byteLength": 36}
+    points = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+    buffer = {"byteLength": 36, "uri": f"data:application/octet-stream;base64,{text}"}
+    document = {"meshes": [mesh], "accessors": [points], "bufferViews": [view], "buffers": [buffer]}
+    path = tmp_path / "a.gltf"
+    path.write_text(json.dumps(node | document, ensure_ascii=False), encoding="utf-8")
+    with pytest.raises(InputError, match=r"buffer 0: expected base64, got [^\n]+$") as caught:
+        read_gltf_scene(path, FEW)
+    assert str(caught.value).startswith(str(path))
+
+
 @pytest.mark.realdata
 def test_a_real_file_counts_as_trimesh_loads_it(data_dir: Path) -> None:
     """The milk truck: three objects, two of them wheels of one type, and as many triangles."""

@@ -18,7 +18,7 @@ def test_a_seam_doubles_vertices() -> None:
         MeshPart(points, np.array([[0, 2, 3]]), 1, textured=False, uv=moved),
     ]
     surface = clean_surface("square", parts, texture_bytes=64.0)
-    mesh = level_mesh(surface, surface.positions, surface.faces, surface.part, surface.uv_index)
+    mesh = level_mesh(surface)
     counts = dict(zip(LEVEL_PREDICTORS, level_counts(surface, mesh).tolist(), strict=True))
     assert counts["vertices"] == 5.0
     assert counts["draw_calls"] == counts["triangles"] == 2.0

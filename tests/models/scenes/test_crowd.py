@@ -12,7 +12,7 @@ from lodbench.models.scenes.crowd import build_crowd, character_mesh
 def test_a_character_as_in_table_1() -> None:
     """1,642 vertices with seams, 2,620 triangles; closed in space, cut open in the texture."""
     mesh = character_mesh()
-    drawn = level_mesh(mesh, mesh.positions, mesh.faces, mesh.part, mesh.uv_index)
+    drawn = level_mesh(mesh)
     assert (len(drawn.vertices), len(drawn.faces)) == (1_642, 2_620)
     ends = np.sort(np.stack((mesh.faces, np.roll(mesh.faces, -1, 1)), 2).reshape(-1, 2), 1)
     assert (np.unique(ends, axis=0, return_counts=True)[1] == 2).all()

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
-from ..meshes.surface_mesh import SurfaceMesh
+from lodbench.base.arrays import FloatArray, IntArray
+from lodbench.models.meshes.surface_mesh import SurfaceMesh
 
 
 class TextureMeter:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import IntArray
-from .ordered_mesh import OrderedMesh, substitute
+from lodbench.base.arrays import IntArray
+from lodbench.models.continuous.foliage import Foliage
+from lodbench.models.continuous.ordered_mesh import OrderedMesh, substitute
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,3 +69,14 @@ class IndexSet:
             int(np.count_nonzero(differs)) + 3 * (after - kept),
             visited,
         )
+
+
+def change_leaves(foliage: Foliage, before: int, after: int) -> ExtractionWork:
+    """Return what bringing an index set from one count of leaves to another takes.
+
+    A leaf that comes writes six indices; one that goes frees their place for it.
+    """
+    old, new = foliage.extract(before), foliage.extract(after)
+    come = len(np.setdiff1d(new, old, assume_unique=True))
+    gone = len(np.setdiff1d(old, new, assume_unique=True))
+    return ExtractionWork(2 * (come + gone), 6 * come, come + gone)
