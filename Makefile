@@ -46,7 +46,7 @@ docs: .venv/.installed-dev
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
 
 validation: .venv/.installed-dev
-	$(BIN)/python docs/scripts/validate.py
+	$(BIN)/python docs/scripts/validation_tables.py
 
 clean:
 	rm -rf .venv .types out build dist lodbench.egg-info .benchmarks .hypothesis

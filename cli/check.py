@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Exit, Option
 
 from .shared import options
-from .shared.inputs import print_record, print_result
+from .shared.terminal import print_record, print_result
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..analysis.gate.check_result import CheckReport

@@ -7,8 +7,8 @@ from typer import Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
-from .shared.inputs import frame_budget, open_named_scene, print_record, table_console
 from .shared.progress import progress_bar
+from .shared.terminal import frame_budget, open_named_scene, print_record, table_console
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..models.machine.hardware import HardwareProfile

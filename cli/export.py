@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from ..base.errors import InputError
-from .shared.inputs import print_result
 from .shared.options import AsJson
+from .shared.terminal import print_result
 
 if TYPE_CHECKING:  # numpy and pyarrow are loaded by the command that needs them
     from ..sim.frame_log import FrameLog

@@ -9,8 +9,8 @@ from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
-from .shared.inputs import table_console
 from .shared.progress import progress_bar
+from .shared.terminal import table_console
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
     from ..traces.logs.render_log import TimeName

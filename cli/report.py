@@ -5,8 +5,8 @@ from typing import Annotated
 
 from typer import Argument
 
-from .shared.inputs import print_result
 from .shared.options import AsJson
+from .shared.terminal import print_result
 
 Folder = Annotated[Path, Argument(metavar="DIR", help="A folder that `compare --out` wrote.")]
 

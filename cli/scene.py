@@ -8,10 +8,10 @@ from typer import Argument, Option, Typer
 
 from .scene_hlod import build_hlod
 from .shared import options
-from .shared.inputs import open_named_scene
+from .shared.frame_picture import check_picture, draw_picture
 from .shared.progress import progress_bar
 from .shared.scene_output import check_scene_options, show, write_built
-from .shared.scene_picture import check_picture, draw_picture
+from .shared.terminal import open_named_scene
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..models.continuous.knots import KnotOptions

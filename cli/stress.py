@@ -8,8 +8,8 @@ from typing import Annotated
 from typer import Argument, Option
 
 from .shared import options
-from .shared.inputs import frame_budget
 from .shared.progress import progress_bar
+from .shared.terminal import frame_budget
 
 Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option, Typer
 
-from .shared.inputs import print_result
 from .shared.options import AsJson
+from .shared.terminal import print_result
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..traces.cameras.camera_trace import CameraTrace

@@ -8,8 +8,8 @@ from typer import Option
 from ..base.errors import InputError
 from .record import parse_size
 from .shared import options
-from .shared.inputs import frame_budget, open_named_scene, print_record, table_console
 from .shared.progress import progress_bar
+from .shared.terminal import frame_budget, open_named_scene, print_record, table_console
 
 POLICIES = (
     "full",

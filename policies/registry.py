@@ -14,8 +14,8 @@ from typing import Any, TypeAlias, get_args
 import msgspec
 
 from ..base.errors import InputError
+from ..base.name_registry import Registry
 from ..base.nearest_names import unknown_name
-from ..base.registry import Registry
 from .policy_spec import Parameter, PolicySpec, parameters
 from .protocol import Policy
 

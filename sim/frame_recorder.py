@@ -16,7 +16,7 @@ from .accounting.accounting import Accounting
 from .accounting.benefit_bound import BenefitBound
 from .accounting.extraction import Extraction, IndexSets
 from .accounting.fronts import Fronts
-from .accounting.quality import FlatQuality, TreeQuality, screen_errors
+from .accounting.picture_quality import FlatQuality, TreeQuality, screen_errors
 from .accounting.switches import Drawn
 from .frame_log import CountRows
 from .loader import Memory

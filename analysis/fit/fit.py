@@ -152,11 +152,11 @@ def fit_logs(
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
     kept = None if resume is None else (resume, _identity(sample, terms, options))
     model, sampler = options.model, options.sampler
-    found = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
+    sampled = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
     held = None
     if options.heldout != NO_SPLIT:
         held = hold_out(sample, terms, model, sampler, options.heldout)
-    scaled = found.chain.flat[:, : len(found.design.names)]
+    scaled = sampled.chain.flat[:, : len(sampled.design.names)]
     rng = np.random.default_rng(sampler.seed)
     return Fit(
         tuple(sources),
@@ -165,13 +165,13 @@ def fit_logs(
         rejected,
         findings,
         candidates,
-        found,
-        diagnose(found.chain),
-        examine(found.design, scaled.mean(axis=0)),
-        sensitivity(scaled, found.posterior.priors),
-        check_predictive(found.draws, found.design, sample.time_ms, rng),
+        sampled,
+        diagnose(sampled.chain),
+        examine(sampled.design, scaled.mean(axis=0)),
+        sensitivity(scaled, sampled.posterior.priors),
+        check_predictive(sampled.draws, sampled.design, sample.time_ms, rng),
         held,
-        tuple(_transfer(found, log, target, options) for log in transfer),
+        tuple(_transfer(sampled, log, target, options) for log in transfer),
     )
 
 
@@ -228,6 +228,6 @@ def _identity(sample: Sample, terms: Sequence[Term], options: FitOptions) -> str
     return f"{digest.hexdigest()} {listed} {options.model} {sampler.walkers} {sampler.seed}"
 
 
-def _transfer(found: Estimate, log: RenderLog, target: TimeName, options: FitOptions) -> HeldOut:
-    sample, _ = gather([log], predictors_of(found.terms), target, options.first_frames)
-    return judge(found, sample, log.name)
+def _transfer(sampled: Estimate, log: RenderLog, target: TimeName, options: FitOptions) -> HeldOut:
+    sample, _ = gather([log], predictors_of(sampled.terms), target, options.first_frames)
+    return judge(sampled, sample, log.name)

@@ -15,20 +15,20 @@ _DIGITS = 6  # of every number; more would differ from machine to machine
 
 def fit_record(fit: Fit) -> dict[str, Any]:
     """Return the record that is printed as JSON, and that tables are made from."""
-    found, coefficients = fit.estimate, fit.coefficients
-    names = found.design.names
+    estimate, coefficients = fit.estimate, fit.coefficients
+    names = estimate.design.names
     record = {
         "schema": "lodbench.fit/1",
         "log": ", ".join(source.log.name for source in fit.sources),
         "logs": [_source(fit, source, place) for place, source in enumerate(fit.sources)],
         "target": fit.target,
-        "terms": [str(term) for term in found.terms],
+        "terms": [str(term) for term in estimate.terms],
         "model": fit.options.model,
-        "rows": len(found.sample),
+        "rows": len(estimate.sample),
         "rows_rejected": sum(rejection.count for rejection in fit.rejected),
         "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
-        "likelihood": found.likelihood_is,
-        "rows_worth": found.posterior.worth * len(found.sample),
+        "likelihood": estimate.likelihood_is,
+        "rows_worth": estimate.posterior.worth * len(estimate.sample),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {
             name: _interval(samples)
@@ -40,7 +40,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
             for name, samples, prior in zip(names, coefficients.T, fit.sensitivity, strict=True)
         },
         "noise": _noise(fit),
-        "priors": list(found.posterior.priors.describe(fit.options.model)),
+        "priors": list(estimate.posterior.priors.describe(fit.options.model)),
         "diagnostics": asdict(fit.diagnostics) | {"doubt": fit.diagnostics.doubt},
         "predictive_checks": [asdict(check) for check in fit.checks],
         "condition_number": fit.collinearity.condition_number,
@@ -82,9 +82,9 @@ def _interval(samples_ms: FloatArray) -> dict[str, Any]:
 
 def _noise(fit: Fit) -> dict[str, Any]:
     """Return the noise's posterior, and its correlation from frame to frame."""
-    found = fit.estimate
-    names, flat = found.chain.names, found.chain.flat
-    reference = found.posterior.priors.mean_ms
+    estimate = fit.estimate
+    names, flat = estimate.chain.names, estimate.chain.flat
+    reference = estimate.posterior.priors.mean_ms
     scale_ms: FloatArray = np.exp(flat[:, names.index("log_scale")])
     noise: dict[str, Any] = {
         "model": fit.options.model,
@@ -107,11 +107,11 @@ def _spread(samples: FloatArray) -> dict[str, float]:
 
 def relative_residuals(fit: Fit) -> list[FloatArray]:
     """Return residuals over the posterior mean of the time, a series of frames for each log."""
-    found = fit.estimate
-    width = len(found.design.names)
-    mean = found.design.mean(found.chain.flat[:, :width].mean(axis=0)[np.newaxis])[0]
-    residual = found.sample.time_ms / mean - 1.0
-    return [residual[found.sample.series == log] for log in range(len(fit.sources))]
+    estimate = fit.estimate
+    width = len(estimate.design.names)
+    mean = estimate.design.mean(estimate.chain.flat[:, :width].mean(axis=0)[np.newaxis])[0]
+    residual = estimate.sample.time_ms / mean - 1.0
+    return [residual[estimate.sample.series == log] for log in range(len(fit.sources))]
 
 
 def _rounded(value: Any) -> Any:

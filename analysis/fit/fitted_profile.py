@@ -83,11 +83,13 @@ def profile_of(
 
 def _posterior(fit: Fit, residual: Residual) -> Posterior:
     """Return thinned samples as draws; a draw's noise is larger as its likelihood's scale is."""
-    found = fit.estimate
-    names, draws = found.design.names, found.chain.thinned(_DRAWS)
-    slopes = draws[:, : len(names)] / found.design.unit
-    scale: FloatArray = np.exp(draws[:, found.chain.names.index("log_scale")])
-    mean_scale = float(np.exp(found.chain.flat[:, found.chain.names.index("log_scale")]).mean())
+    estimate = fit.estimate
+    names, draws = estimate.design.names, estimate.chain.thinned(_DRAWS)
+    slopes = draws[:, : len(names)] / estimate.design.unit
+    scale: FloatArray = np.exp(draws[:, estimate.chain.names.index("log_scale")])
+    mean_scale = float(
+        np.exp(estimate.chain.flat[:, estimate.chain.names.index("log_scale")]).mean()
+    )
     linear, roofline = np.zeros((2, len(draws), len(GPU_PREDICTORS)))
     for place, name in enumerate(names[1:], 1):
         into = roofline if name.startswith(ROOFLINE) else linear
@@ -96,18 +98,18 @@ def _posterior(fit: Fit, residual: Residual) -> Posterior:
         _all_rounded(slopes[:, 0]),
         linear,
         _all_rounded(residual.scale * scale / mean_scale),
-        None if found.design.linear else roofline,
+        None if estimate.design.linear else roofline,
     )
 
 
 def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance:
-    found, header = fit.estimate, dict(fit.sources[0].log.header)
+    estimate, header = fit.estimate, dict(fit.sources[0].log.header)
     drawn = [what for source in fit.sources if (what := _measured_on(source.log))]
     rest = f"; the rest is that of {onto.name}" if onto else ""
     method = (
-        f"emcee: posterior means of {fit.target} on {', '.join(map(str, found.terms))}, "
-        f"{fit.options.model}, {len(found.sample)} frames worth "
-        f"{found.posterior.worth * len(found.sample):.0f} independent ones{rest}"
+        f"emcee: posterior means of {fit.target} on {', '.join(map(str, estimate.terms))}, "
+        f"{fit.options.model}, {len(estimate.sample)} frames worth "
+        f"{estimate.posterior.worth * len(estimate.sample):.0f} independent ones{rest}"
     )
     return Provenance(
         source="; ".join(map(_described, fit.sources)),

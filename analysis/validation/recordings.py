@@ -108,7 +108,9 @@ class Recorder:
             watching = machine = PictureMachine(measuring, self._renderer, pictures)
         if progress is not None:
             machine = _Told(machine, progress, options.frames, trace.duration_s)
-        found = record(policy, self._scene, trace, hardware, options, machine, measuring, name=name)
+        recording = record(
+            policy, self._scene, trace, hardware, options, machine, measuring, name=name
+        )
         about = conditions(self._scene, trace, hardware, options) | {
             "policy": name,
             "seed": str(options.seed),
@@ -117,9 +119,9 @@ class Recorder:
         }
         if self._device.software:
             about["threads"] = str(how.threads)
-        header = header_of(self._device, about, found.doubt)
+        header = header_of(self._device, about, recording.doubt)
         compared = () if watching is None else tuple(watching.compared)
-        return Recorded(header, found.columns, found.frames, compared)
+        return Recorded(header, recording.columns, recording.frames, compared)
 
 
 @contextmanager

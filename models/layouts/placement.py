@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.registry import Registry
+from ...base.name_registry import Registry
 from .packing import require_side
 
 Layout: TypeAlias = Callable[[FloatArray, float | None, np.random.Generator], FloatArray]

@@ -103,8 +103,8 @@ def _part(shape: Any, transform: FloatArray, material: int, images: dict[int, fl
         faces = faces[:, ::-1]  # a mirror turns the winding over
     uv = getattr(shape.visual, "uv", None)
     surface = getattr(shape.visual, "material", None)
-    found = [getattr(surface, name, None) for name in _TEXTURES]
-    textures = [image for image in found if image is not None]
+    candidates = [getattr(surface, name, None) for name in _TEXTURES]
+    textures = [image for image in candidates if image is not None]
     for image in textures:
         images[id(image)] = image.width * image.height * _TEXEL_BYTES
     return MeshPart(

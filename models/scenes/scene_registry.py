@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
-from ...base.registry import Registry
+from ...base.name_registry import Registry
 from ..meshes.geometry import Geometry
 from ..scene.scene import Scene
 

@@ -144,11 +144,11 @@ class _Walk:
         if tile.implicit is not None:
             _add_implicit(table, step, TileRow(step.parent, None, additive, volume, matrix, []))
             return
-        found = [(link, step.folder.find(link)) for link in tile.links]
-        files = [path for link, path in found if not _is_tileset(link)]
+        linked = [(link, step.folder.find(link)) for link in tile.links]
+        files = [path for link, path in linked if not _is_tileset(link)]
         row, error = len(table), tile.geometric_error
         table.add(TileRow(step.parent, error, additive, volume, matrix, files))
-        for link, path in found:
+        for link, path in linked:
             if _is_tileset(link) and path is not None:
                 if path in step.above:
                     raise InputError(

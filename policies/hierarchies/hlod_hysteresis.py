@@ -101,12 +101,12 @@ class HlodHysteresis:
         tree, loops = self._hierarchy, self._loops
         loops.learn(view)
         priority = self._priority(view)
-        found = self._descend(view, priority)
-        ids, detail = tree.front(view, tree.close(view, found.refined))
-        self._list.update(found.visited, priority)
+        descent = self._descend(view, priority)
+        ids, detail = tree.front(view, tree.close(view, descent.refined))
+        self._list.update(descent.visited, priority)
         units = float(self._units[ids].sum())
-        predicted_ms = loops.expect(units, found.pending, refused=found.refused)
-        work = Work(int(np.count_nonzero(found.visited)), self._list.comparisons)
+        predicted_ms = loops.expect(units, descent.pending, refused=descent.refused)
+        work = Work(int(np.count_nonzero(descent.visited)), self._list.comparisons)
         return Selection(ids, detail, work, predicted_ms=predicted_ms, wanted=self._list.ids)
 
     def _priority(self, view: View) -> FloatArray:
@@ -137,8 +137,8 @@ class HlodHysteresis:
         n, inside = len(scene), view.state.inside
         needed_ms = self._loops.ms_per_unit * self._units
         waits = tree.waits(view, for_all=self.all_children)
-        found = _Descent(np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_))
-        found.visited[tree.layers[0]] = True
+        descent = _Descent(np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_))
+        descent.visited[tree.layers[0]] = True
         slice_ms = np.zeros(n)
         whole = float(priority[view.ids].sum())
         slice_ms[view.ids] = self._loops.share_ms * priority[view.ids] / max(whole, 1e-300)
@@ -158,12 +158,12 @@ class HlodHysteresis:
             units = np.bincount(parent, self._units[siblings], minlength=n)
             units = units - np.where(scene.additive, 0.0, self._units)
             free = above[~waits[above]]
-            found.pending += float(((later >= 0.0) * units - (now >= 0.0) * units)[free].sum())
-            found.refused = found.refused or bool((later[free] < 0.0).any())
-            found.visited[family] = True
-            found.refined[above] = (now[above] >= 0.0) & ~waits[above] | tree.empty[above]
-            active[siblings] = found.refined[parent]
-        return found
+            descent.pending += float(((later >= 0.0) * units - (now >= 0.0) * units)[free].sum())
+            descent.refused = descent.refused or bool((later[free] < 0.0).any())
+            descent.visited[family] = True
+            descent.refined[above] = (now[above] >= 0.0) & ~waits[above] | tree.empty[above]
+            active[siblings] = descent.refined[parent]
+        return descent
 
     def _count(self, nodes: IntArray, slice_ms: FloatArray, needed_ms: FloatArray) -> FloatArray:
         """Add the urgency of nodes to their counters, and return it."""

@@ -58,25 +58,25 @@ class Maciel:
     def select(self, view: View) -> Selection:
         """Return the front that is wished for, less what is held back."""
         tree = self._hierarchy
-        found = gains(tree, self._costs, view)
+        gain = gains(tree, self._costs, view)
         fixed_ms = self._costs.fixed_ms(view)
-        base_ms = fixed_ms + float(found.cost_ms[tree.coarsest(view)].sum())
-        more_ms = tree.fold_empty(found.more_ms)
+        base_ms = fixed_ms + float(gain.cost_ms[tree.coarsest(view)].sum())
+        more_ms = tree.fold_empty(gain.more_ms)
         # Children that cost nothing are all outside the frustum.
         key = np.full(len(more_ms), np.inf)
-        costs = found.children_ms > 0.0
-        np.divide(found.children_benefit, found.children_ms, out=key, where=costs)
+        costs = gain.children_ms > 0.0
+        np.divide(gain.children_benefit, gain.children_ms, out=key, where=costs)
         wish, looked = refine_best_first(tree, view, key, more_ms, self._budget_ms - base_ms)
         refined = tree.close(view, wish & self._ready(view, wish, more_ms))
         ids, detail = tree.front(view, refined)
-        if fixed_ms + float(found.cost_ms[ids].sum()) > max(self._budget_ms, base_ms):
+        if fixed_ms + float(gain.cost_ms[ids].sum()) > max(self._budget_ms, base_ms):
             # What is held back would have made room for the rest.
             refined = tree.close(view, wish)
             ids, detail = tree.front(view, refined)
         inside = view.state.inside
         self._refined[inside] = refined[inside]
-        predicted_ms = fixed_ms + float(found.cost_ms[ids].sum())
-        work = Work(found.visited, looked * looked.bit_length())
+        predicted_ms = fixed_ms + float(gain.cost_ms[ids].sum())
+        work = Work(gain.visited, looked * looked.bit_length())
         return Selection(ids, detail, work, predicted_ms=predicted_ms)
 
     def _ready(self, view: View, wish: BoolArray, more_ms: FloatArray) -> BoolArray:

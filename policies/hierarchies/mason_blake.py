@@ -56,10 +56,10 @@ class MasonBlake:
     def select(self, view: View) -> Selection:
         """Return the front that increments and decrements lead to."""
         tree = self._hierarchy
-        found = gains(tree, self._costs, view)
+        offers = gains(tree, self._costs, view)
         fixed_ms = self._costs.fixed_ms(view)
-        base_ms = fixed_ms + float(found.cost_ms[tree.coarsest(view)].sum())
-        more_ms, more = tree.fold_empty(found.more_ms), tree.fold_empty(found.more_benefit)
+        base_ms = fixed_ms + float(offers.cost_ms[tree.coarsest(view)].sum())
+        more_ms, more = tree.fold_empty(offers.more_ms), tree.fold_empty(offers.more_benefit)
         path_ms, path = _down_paths(tree, more_ms), _down_paths(tree, more)
         fits = path_ms <= self._budget_ms - base_ms
         item = tree.inner & ~tree.empty & view.state.inside & (fits | (more_ms <= 0.0))
@@ -80,9 +80,9 @@ class MasonBlake:
             refined = _path_to(tree, single)
         self._refined = tree.close(view, refined)
         ids, detail = tree.front(view, self._refined)
-        predicted_ms = fixed_ms + float(found.cost_ms[ids].sum())
+        predicted_ms = fixed_ms + float(offers.cost_ms[ids].sum())
         k = len(increments.cost)
-        work = Work(found.visited, k * k.bit_length(), steps)
+        work = Work(offers.visited, k * k.bit_length(), steps)
         return Selection(ids, detail, work, predicted_ms=predicted_ms)
 
     def _exchange(self, increments: TreeIncrements, base_ms: float) -> tuple[BoolArray, int]:

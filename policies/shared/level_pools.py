@@ -74,10 +74,10 @@ class SharedLevels:
             able = np.flatnonzero(moves & open_to)
             first = np.full(len(self.holder), len(node))
             np.minimum.at(first, wanted[able], able)
-            found = np.sort(first[first < len(node)])
-            if np.array_equal(found, extracting):
+            owners = np.sort(first[first < len(node)])
+            if np.array_equal(owners, extracting):
                 break
-            extracting = found
+            extracting = owners
         mover = node[moves & may_extract]
         moves[extracting] = False
         borrowing = np.flatnonzero(moves)

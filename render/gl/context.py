@@ -146,6 +146,6 @@ def _target(context: "moderngl.Context", window: Any = None) -> Target:
 
 def _device(context: "moderngl.Context") -> Device:
     renderer, version = context.info["GL_RENDERER"], context.info["GL_VERSION"]
-    found = re.search(r"Mesa \S+|NVIDIA \S+|\d+(\.\d+)+$", version)
+    match = re.search(r"Mesa \S+|NVIDIA \S+|\d+(\.\d+)+$", version)
     software = any(name in renderer.lower() for name in _SOFTWARE)
-    return Device(renderer, found[0] if found else version, software)
+    return Device(renderer, match[0] if match else version, software)

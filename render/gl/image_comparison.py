@@ -95,8 +95,8 @@ class PictureMachine:
         renderer, number = self._renderer, frame.view.frame
         drawn = renderer.picture(picture_of(frame))
         full = renderer.picture(picture_of(frame, full=True))
-        found = compare_pictures(number, frame.view.time_ns * 1e-9, drawn, full)
-        self.compared.append(found)
+        difference = compare_pictures(number, frame.view.time_ns * 1e-9, drawn, full)
+        self.compared.append(difference)
         _write(self._pictures.path / f"frame-{number:06}.png", drawn, full)
 
 

@@ -128,6 +128,8 @@ def _processor() -> str:
     info = Path("/proc/cpuinfo")
     if info.is_file():
         lines = info.read_text(encoding="utf-8", errors="replace").splitlines()
-        found = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-        name = found[0] if found else name
+        processors = [
+            line.partition(":")[2].strip() for line in lines if line.startswith("model name")
+        ]
+        name = processors[0] if processors else name
     return f"{name}, {os.cpu_count()} cores"

@@ -157,11 +157,13 @@ class Renderer:
 
     def framebuffer(self, size_px: tuple[int, int]) -> "moderngl.Framebuffer":
         """Return the picture of a size; those not drawn for longest make room for new sizes."""
-        found = self._framebuffers.pop(size_px, None)
-        if found is None:
+        framebuffer = self._framebuffers.pop(size_px, None)
+        if framebuffer is None:
             if len(self._framebuffers) == _MOST_SIZES:
                 self._framebuffers.pop(next(iter(self._framebuffers))).release()
             color = self.context.renderbuffer(size_px, 4)
-            found = self.context.framebuffer([color], self.context.depth_renderbuffer(size_px))
-        self._framebuffers[size_px] = found
-        return found
+            framebuffer = self.context.framebuffer(
+                [color], self.context.depth_renderbuffer(size_px)
+            )
+        self._framebuffers[size_px] = framebuffer
+        return framebuffer

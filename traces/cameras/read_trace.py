@@ -4,7 +4,7 @@ from itertools import islice
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...base.registry import Registry
+from ...base.name_registry import Registry
 from .camera_trace import CameraTrace
 from .text_lines import first_data, read_lines
 from .trace_format import TraceFormat

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...base.registry import Registry
+from ...base.name_registry import Registry
 from .log_format import Columns, LogFormat, LogHead
 from .render_log import RenderLog
 

@@ -118,14 +118,15 @@ def hold_out(
 def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
     """Return how well a fitted model predicts other frames, and the reason if it does not."""
     prediction = _predict(fitted, sample)
-    found = _summary(name, [prediction])
+    summary = _summary(name, [prediction])
     good = (
-        abs(found.error_pct_mean) <= _GOOD_PCT and _COVERED[0] <= found.coverage_90 <= _COVERED[1]
+        abs(summary.error_pct_mean) <= _GOOD_PCT
+        and _COVERED[0] <= summary.coverage_90 <= _COVERED[1]
     )
-    return found if good else replace(found, reason=_reason(fitted, sample, found))
+    return summary if good else replace(summary, reason=_reason(fitted, sample, summary))
 
 
-def _reason(fitted: Estimate, sample: Sample, found: HeldOut) -> str:
+def _reason(fitted: Estimate, sample: Sample, summary: HeldOut) -> str:
     """Return in words why other frames are predicted badly, as far as the frames tell."""
     mean = design_of(sample, fitted.terms, fitted.design.unit).columns.mean(axis=1)
     own = fitted.design.columns.mean(axis=1)
@@ -134,8 +135,8 @@ def _reason(fitted: Estimate, sample: Sample, found: HeldOut) -> str:
         f"{there / here:.2f} times the {name}"
         for name, there, here in zip(names[1:], mean[1:], own[1:], strict=True)
     )
-    left_open = f"what the fit leaves open is {found.open_pct:.1f} %"
-    if abs(found.error_pct_mean) <= 2.0 * found.open_pct:
+    left_open = f"what the fit leaves open is {summary.open_pct:.1f} %"
+    if abs(summary.error_pct_mean) <= 2.0 * summary.open_pct:
         why = "so coefficients are too uncertain for this mixture of predictors"
     else:
         why = "so these frames cost what no predictor counts, or the machine ran otherwise"

@@ -188,17 +188,17 @@ def _choose(
 ) -> tuple[str, ...]:
     counts = Counter(streams)
     asked = tuple(None if value is None else str(value).lower() for value in wanted)
-    found = {
+    rows_of_stream = {
         key: count
         for key, count in counts.items()
         if all(want is None or want == have.lower() for want, have in zip(asked, key, strict=True))
     }
-    if not found:
+    if not rows_of_stream:
         sought = " ".join(str(value) for value in wanted if value is not None)
         known = ", ".join(" ".join(key) for key, _ in counts.most_common(5))
         raise InputError(f"expected a stream {sought}, got {known}; name one", path=table.path)
-    usual = {key: count for key, count in found.items() if not _is_beside(key)}
-    return max((usual or found).items(), key=lambda item: item[1])[0]
+    usual = {key: count for key, count in rows_of_stream.items() if not _is_beside(key)}
+    return max((usual or rows_of_stream).items(), key=lambda item: item[1])[0]
 
 
 def _is_beside(stream: tuple[str, ...]) -> bool:

@@ -1,8 +1,8 @@
 """Measure this machine, validate the simulator on it, and write what `validation.md` reports.
 
-Usage: ``python docs/scripts/validate.py [FOLDER]`` (``make validation``), some twenty minutes on a
-quiet machine; logs and pages stay in FOLDER, by default out/validation.  With ``--bundle`` the new
-log and profile also replace those of `llvmpipe` in the package.
+Usage: ``python docs/scripts/validation_tables.py [FOLDER]`` (``make validation``), some twenty
+minutes on a quiet machine; logs and pages stay in FOLDER, by default out/validation.  With
+``--bundle`` the new log and profile also replace those of `llvmpipe` in the package.
 """
 
 import json
@@ -160,7 +160,7 @@ def write(folder: Path) -> None:
         "pictures": table(*pictures(tables)),
         "ranks": table(*ranks(tables)),
     }
-    write_blocks(DOCS / "validation.md", "docs/scripts/validate.py", blocks)
+    write_blocks(DOCS / "validation.md", "docs/scripts/validation_tables.py", blocks)
     draw_series(folder / "market-drive", POLICIES, DOCS / "images" / "validation-series.png")
     draw_similarity(tables, DOCS / "images" / "validation-ssim.png")
     draw_pictures(folder / "images", tables, DOCS / "images" / "validation-pictures.png")

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...base.errors import InputError
-from .inputs import frame_budget
 from .scene_output import check_output
+from .terminal import frame_budget
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ...models.scene.scene_catalog import OpenedScene

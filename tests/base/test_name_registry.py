@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.registry import Registry
+from lodbench.base.name_registry import Registry
 
 
 @pytest.fixture
