@@ -95,7 +95,8 @@ class UnrealDynamic:
         target_ms = (1.0 - self.headroom) * self._budget_ms
         frames, times_ms = self._reports.new(view.completed.gpu_ms, target_ms)
         for frame, time_ms in zip(frames.tolist(), times_ms.tolist(), strict=True):
-            drawn_at = self._drawn_at[frame % _IN_FLIGHT]
+            slot: int = frame % _IN_FLIGHT
+            drawn_at = self._drawn_at[slot]
             self._past.appendleft(suggest_fraction(target_ms, time_ms, drawn_at))
             self._over = self._over + 1 if time_ms > self._budget_ms else 0
 
