@@ -330,6 +330,7 @@ def test_a_policy_without_capabilities_is_refused(
     assert "expected a class with capabilities" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.realdata
 def test_real_meshes_along_a_real_trace(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -11,6 +11,7 @@ from lodbench.traces.cameras.read_trace import read_trace
 QUICK = ["--evaluations", "8", "--duration-s", "0.6", "--legs", "2"]
 
 
+@pytest.mark.slow
 def test_a_path_becomes_a_regression_test(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

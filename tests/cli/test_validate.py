@@ -28,6 +28,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_everything_is_written(recorded: Path) -> None:
     """Recordings, simulated replays, record and page are there, and nothing else."""
     names = {path.name for path in recorded.iterdir()}

@@ -77,6 +77,7 @@ def test_sweeps_run_when_asked_for(project: Path) -> None:
     assert run_pytest(project, "-k", "sweep", "--lodbench-sweeps").returncode == 1
 
 
+@pytest.mark.slow
 def test_tests_are_spread_over_processes(project: Path) -> None:
     """With pytest-xdist the same tests pass and fail."""
     run = run_pytest(project, "-n", "2")

@@ -53,6 +53,7 @@ def test_policies_can_select_of_a_view(view: View, name: str) -> None:
     assert find_violation(policy.select(view), view.ids, view.scene) is None
 
 
+@pytest.mark.slow
 def test_examples_shrink_to_the_simplest() -> None:
     """The smallest scene is one object, the smallest trace stands, and a machine is plain."""
     scene = find(scenes(), lambda _: True, settings=QUICK)

@@ -28,6 +28,7 @@ def build(ball_models: list[TypeModel]) -> Build:
     return build_balls
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(
     layout=st.sampled_from(sorted(LAYOUTS)),

@@ -66,6 +66,7 @@ def test_truck_has_parts_and_textures(data_dir: Path) -> None:
     assert mesh.texture_bytes == pytest.approx(2048**2 * 4 * 4 / 3)
 
 
+@pytest.mark.slow
 def test_error_agrees_with_dense_sampling(data_dir: Path) -> None:
     """The default samples find at least 85 % of what four times as many points find."""
     full = load_mesh(data_dir / "meshes" / "spot.obj").standing(y_up=True, height_m=2.0)

@@ -91,6 +91,7 @@ def test_main_street_is_free(plaza: Scene) -> None:
     assert (np.abs(plaza.center_m[houses, 1]) - plaza.radius_m[houses]).min() > 4.0
 
 
+@pytest.mark.slow
 def test_two_processes_build_the_same_scene(plaza: Scene) -> None:
     """Nothing depends on the process: hashes, addresses, clocks."""
     code = (

@@ -149,6 +149,7 @@ def test_without_a_folder_scenes_are_made_in_memory(
     assert "LODBENCH_CACHE" in said
 
 
+@pytest.mark.slow
 def test_two_processes_make_one_file(tmp_path: Path) -> None:
     """Both return the scene, and leave one whole file and nothing beside it."""
     code = (

@@ -151,6 +151,7 @@ def test_knapsacks_keep_their_budget_over_the_whole_walk(
     assert (log["missing"] == 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "policy", ["erikson", "screen-space-error", "cluster-cut", "hlod-hysteresis:all_children=on"]
 )
@@ -159,6 +160,7 @@ def test_nothing_is_missing(city: Scene, run: Callable[..., FrameLog], policy: s
     assert (run(policy, city, speed_m_s=14.0, frames=300)["missing"] == 0).all()
 
 
+@pytest.mark.slow
 def test_a_still_view_rests_under_noisy_times(
     city: Scene, old_machine: HardwareProfile, make_street_trace: Callable[..., CameraTrace]
 ) -> None:

@@ -86,6 +86,7 @@ def plain_log_prob(theta: Any, columns: Any, time_ms: Any) -> float:
     return float(likelihood + prior)
 
 
+@pytest.mark.slow
 def test_plain_emcee_finds_the_same_posterior(make_sample: MakeSample):
     """Another move, another start, and no code of ours: means and deviations agree."""
     frames = make_sample("outliers", frames=60)
