@@ -1,6 +1,7 @@
 """What is drawn keeps its promises, and shrinks to the simplest of its kind."""
 
 import numpy as np
+import pytest
 from hypothesis import find, given, settings
 from hypothesis import strategies as st
 
