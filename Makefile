@@ -1,6 +1,7 @@
 # make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
 # make test      quick tests          make test-slow   the others
 # make check     format, lint, types, which room imports which, the documentation's links and tables
+# make studies   long studies at full length: coverage, false alarms, claims in 500 worlds
 # make bench     speed, beside simpy's
 # make mutants   whether tests fail when the code is made wrong on purpose (docs/mutants.md)
 # make docs      generated parts of the documentation, and its site in out/site
@@ -14,7 +15,7 @@ PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
 ROOMS = base models traces policies sim render analysis testing cli
 
-.PHONY: compare test test-slow check bench mutants docs validation clean
+.PHONY: compare test test-slow studies check bench mutants docs validation clean
 .DELETE_ON_ERROR:
 
 compare: .venv/.installed
@@ -25,6 +26,9 @@ test: .venv/.installed-dev
 
 test-slow: .venv/.installed-dev
 	$(BIN)/pytest -n auto -m slow --ignore=tests/benchmarks $(PYTEST_FLAGS)
+
+studies: .venv/.installed-dev
+	LODBENCH_STUDIES=full $(BIN)/pytest -n auto -m study -rP $(PYTEST_FLAGS)
 
 check: .venv/.installed-dev
 	$(BIN)/ruff format --check .

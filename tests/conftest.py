@@ -31,6 +31,9 @@ settings.register_profile("local", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 ROOT = Path(__file__).parents[1]
+FULL_STUDIES = os.environ.get("LODBENCH_STUDIES") == "full"
+"""Whether long studies run whole, as `make studies` has it, or in the reduced form of CI."""
+
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # looks along -z, x to the right and y up
 
 
@@ -55,6 +58,12 @@ def tracked_files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     listing = [*git, f"--work-tree={ROOT}", "ls-files", "-z", "--others", "--exclude-standard"]
     listed = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True, check=True)
     return sorted(filter(None, listed.stdout.split("\0")))
+
+
+@pytest.fixture(scope="session")
+def full_studies() -> bool:
+    """Return whether long studies run whole or in their reduced form."""
+    return FULL_STUDIES
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import os
 import shlex
 import sys
 from pathlib import Path
@@ -33,6 +34,7 @@ from lodbench.testing import (
 )
 from lodbench.traces.cameras.read_trace import read_trace
 
+EXAMPLES = 500 if os.environ.get("LODBENCH_STUDIES") == "full" else 100
 ALL_CLAIMS = Claims(budget=True, monotone=True, settles_frames=0)
 CLAIMING = [name for name in REGISTERED if claims_of(parse_policy(name).make()) != Claims()]
 
@@ -168,7 +170,8 @@ def test_at_least_twelve_policies_claim_something() -> None:
 
 
 @pytest.mark.slow
-@parametrize_with_properties([parse_policy(name).cls for name in CLAIMING], examples=500)
-def test_claims_hold_in_500_examples(policy_factory: Any, check_property: Any) -> None:
-    """Every policy that claims something keeps it, and the contract, in 500 worlds."""
+@pytest.mark.study
+@parametrize_with_properties([parse_policy(name).cls for name in CLAIMING], examples=EXAMPLES)
+def test_claims_hold_in_many_examples(policy_factory: Any, check_property: Any) -> None:
+    """Every policy that claims something keeps it, and the contract; 500 worlds at full length."""
     check_property(policy_factory)

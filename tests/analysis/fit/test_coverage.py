@@ -1,5 +1,7 @@
 """Intervals hold what they promise: 90 % of them contain the truth, on two hundred logs a kind.
 
+CI tries sixty logs, whose share of 90 % scatters by 4 %; `make studies` tries all.
+
 Short chains of small logs: 500 steps of 16 walkers leave some 300 independent samples, which moves
 the end of an interval by about a tenth of a deviation.
 """
@@ -19,7 +21,15 @@ MakeSample = Callable[..., Sample]
 Truth = tuple[float, float, float]
 
 TERMS = parse_terms("draw_calls,triangles")
-LOGS = 200
+WHOLE, REDUCED = 200, 60  # logs
+
+
+def has_coverage(covered: np.ndarray) -> bool:
+    """Whether each column's share is 85 to 95 %, or what a few logs leave undecided about that."""
+    share = covered.mean(axis=0)
+    low, high = (0.85, 0.95) if len(covered) == WHOLE else (0.78, 1.0)
+    print(f"covered in {len(covered)} logs: {share}")
+    return bool(((share >= low) & (share <= high)).all())
 
 
 def covers(samples: np.ndarray, truth: float) -> bool:
@@ -29,16 +39,17 @@ def covers(samples: np.ndarray, truth: float) -> bool:
 
 
 @pytest.mark.slow
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("kind", "model"),
     [("clean", "gaussian"), ("outliers", "student-t"), ("heteroscedastic", "student-t")],
 )
 def test_ninety_percent_intervals_cover_the_truth(
-    make_sample: MakeSample, truth_ms: Truth, kind: str, model: Model
+    make_sample: MakeSample, truth_ms: Truth, kind: str, model: Model, *, full_studies: bool
 ):
     """Base, draws and triangles are each covered in 85 to 95 % of logs."""
-    covered = np.zeros((LOGS, 3), dtype=np.bool_)
-    for seed in range(LOGS):
+    covered = np.zeros((WHOLE if full_studies else REDUCED, 3), dtype=np.bool_)
+    for seed in range(len(covered)):
         options = SamplerOptions(walkers=16, max_steps=500, seed=seed)
         found = estimate(make_sample(kind, seed=seed), TERMS, model, options)
         draws = found.coefficients_ms.T
@@ -50,11 +61,14 @@ def test_ninety_percent_intervals_cover_the_truth(
 
 
 @pytest.mark.slow
-def test_what_collinear_columns_share_is_covered(make_sample: MakeSample, truth_ms: Truth):
+@pytest.mark.study
+def test_what_collinear_columns_share_is_covered(
+    make_sample: MakeSample, truth_ms: Truth, *, full_studies: bool
+):
     """Draws and triangles cannot be told apart, but their combination and the base can."""
     base_ms, draw_ms, triangle_ms = truth_ms
-    covered = np.zeros((LOGS, 2), dtype=np.bool_)
-    for seed in range(LOGS):
+    covered = np.zeros((WHOLE if full_studies else REDUCED, 2), dtype=np.bool_)
+    for seed in range(len(covered)):
         options = SamplerOptions(walkers=16, max_steps=500, seed=seed)
         found = estimate(make_sample("collinear", seed=seed), TERMS, "gaussian", options)
         coefficients = found.coefficients_ms
@@ -65,7 +79,4 @@ def test_what_collinear_columns_share_is_covered(make_sample: MakeSample, truth_
             covers(coefficients[:, 0], base_ms),
             covers(coefficients[:, columns] @ group.ratio, truth),
         ]
-    share = covered.mean(axis=0)
-    print(f"collinear: base {share[0]}, combination {share[1]}")
-    assert (share >= 0.85).all()
-    assert (share <= 0.95).all()
+    assert has_coverage(covered)
