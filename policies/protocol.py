@@ -15,11 +15,16 @@ class Capabilities:
 
     Attributes
     ----------
-    levels : discrete levels
-    continuous : continuous resolutions
-    hierarchy : fronts in trees
-    loader : needs a loader that streams nodes
-    future : sees the frame's true costs through the oracle's channel; marked in every table
+    levels : bool
+        Selects discrete levels.
+    continuous : bool
+        Selects continuous resolutions.
+    hierarchy : bool
+        Selects fronts in trees.
+    loader : bool
+        Needs a loader that streams nodes.
+    future : bool
+        Sees the frame's true costs through the oracle's channel; marked in every table.
     """
 
     levels: bool = True

@@ -17,9 +17,12 @@ class Work:
 
     Attributes
     ----------
-    objects_visited : objects whose detail the policy considered
-    comparisons : comparisons of sorting and searching
-    iterations : passes of an iterative solver
+    objects_visited : int
+        Objects whose detail the policy considered.
+    comparisons : int
+        Comparisons of sorting and searching.
+    iterations : int
+        Passes of an iterative solver.
     """
 
     objects_visited: int = 0

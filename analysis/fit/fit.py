@@ -71,15 +71,20 @@ class Source:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Fit:
-    """What was found.
+    """A fitted cost model, and what a statistician would ask of it.
 
     Attributes
     ----------
-    rejected : frames that could not be measurements, by reason
-    findings : what to beware of in the logs
-    candidates : sets of terms and their scores, if terms were chosen
-    heldout : error on frames that were held out, if any were
-    transfer : errors on other logs
+    rejected : tuple of Rejection
+        Frames that could not be measurements, by reason.
+    findings : tuple of Finding
+        What to beware of in the logs.
+    candidates : tuple of Candidate
+        Sets of terms and their scores, if terms were chosen.
+    heldout : HeldOut or None
+        Error on frames that were held out, if any were.
+    transfer : tuple of HeldOut
+        Errors on other logs.
     """
 
     sources: tuple[Source, ...]
