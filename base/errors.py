@@ -9,10 +9,15 @@
 A message says what was expected, what was found, where, and what to do.
 """
 
+import os
 import re
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from numbers import Real
 from pathlib import Path
+from typing import SupportsIndex, TypeVar
+
+Kind = TypeVar("Kind")
 
 
 class LodbenchError(Exception):
@@ -51,11 +56,71 @@ def about_file(path: str | Path) -> Generator[None]:
         raise InputError(error.message, path=path, line=error.line) from error
 
 
+@contextmanager
+def about_users_code(function: object, name: str, path: str | Path) -> Generator[None]:
+    """Turn what a user's function raises in the block into InputError; ours are left alone.
+
+    Parameters
+    ----------
+    name
+        What the user calls the thing that the function is of.
+    path
+        The file that the function was given.
+    """
+    if str(getattr(function, "__module__", "")).startswith("lodbench."):
+        yield
+        return
+    try:
+        with about_file(path):
+            yield
+    except LodbenchError:
+        raise
+    except Exception as error:
+        reason = [type(error).__name__, *str(error).strip().splitlines()[:1]]
+        raise InputError(f"{name}: {': '.join(reason)}", path=path) from error
+
+
+def require_kind(value: object, kind: type[Kind], name: str, path: str | Path) -> Kind:
+    """Return what a user's reader made of a file; raises InputError if it is of another kind."""
+    if isinstance(value, kind):
+        return value
+    message = f"{name}: expected a {kind.__name__}, got {type(value).__name__}"
+    raise InputError(f"{message}; return one from read", path=path)
+
+
+def text_of(given: object, what: str, kind: type) -> str:
+    """Return what names a thing as text; raises InputError unless it is a string or a path."""
+    if isinstance(given, (str, os.PathLike)):
+        return os.fsdecode(given)  # pyright: ignore[reportUnknownArgumentType]
+    expected = f"expected a name, a path or a {kind.__name__}"
+    raise InputError(f"{what}: {expected}, got {type(given).__name__}; give one of these")
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path leads to a file; one that is too long, or may not be looked at, does not."""
+    with suppress(OSError):
+        return path.is_file()
+    return False
+
+
 def require_between(value: float, low: float, high: float, name: str) -> None:
     """Raise InputError unless ``low <= value <= high``; an infinite `high` is no bound."""
     if not low <= value <= high:
         expected = f"at least {low}" if high == float("inf") else f"{low} to {high}"
         raise InputError(f"{name}: expected {expected}, got {value}")
+
+
+def require_whole(value: object, name: str, low: int) -> None:
+    """Raise InputError unless a value is a whole number of at least `low`, no truth value."""
+    if isinstance(value, SupportsIndex) and not isinstance(value, bool) and int(value) >= low:
+        return
+    raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
+
+
+def require_real(value: object, name: str) -> None:
+    """Raise InputError unless a value is a real number, no truth value."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InputError(f"{name}: expected a number, got {value!r}")
 
 
 class PolicyError(LodbenchError):

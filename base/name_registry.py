@@ -1,5 +1,6 @@
 """Things that have names: ours, imported when they are asked for, and those of a user."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from importlib import import_module
 from typing import Any, Generic, TypeVar
@@ -9,6 +10,9 @@ from .nearest_names import unknown_name
 from .user_code import load_object
 
 Thing = TypeVar("Thing")
+
+
+_NAME = re.compile(r"[A-Za-z0-9][\w.+-]*")
 
 
 class Registry(Collection[str], Generic[Thing]):
@@ -63,13 +67,14 @@ class Registry(Collection[str], Generic[Thing]):
     def register(self, name: str, thing: Thing) -> None:
         """Give a user's thing a name in this process; the last one of a name counts.
 
-        Raises `InputError` if the name is one of ours or holds a colon, or the thing is of another
-        kind.
+        Raises `InputError` if the name is one of ours or could not be typed as one, or the thing is
+        of another kind.
         """
-        if name in self._ours or not name or ":" in name:
+        good = isinstance(name, str) and _NAME.fullmatch(name)  # pyright: ignore[reportUnnecessaryIsInstance]
+        if not good or name in self._ours:
             raise InputError(
-                f"{self._what}: expected a name of its own without a colon, got {name!r}; "
-                "choose another"
+                f"{self._what}: expected a name of its own of letters, digits, - and _, "
+                f"got {name!r}; choose another"
             )
         self._users[name] = self._of_kind(name, thing)
 

@@ -30,7 +30,14 @@ def load_object(text: str, what: str) -> object:
     where, _, name = text.rpartition(":")
     module = _load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
     if not hasattr(module, name):
-        public = [known for known in vars(module) if not known.startswith("_")]
+        own = module.__name__
+        public = [
+            known
+            for known, thing in vars(module).items()
+            if not known.startswith("_")
+            and getattr(thing, "__module__", own) == own
+            and not isinstance(thing, ModuleType)
+        ]
         raise InputError(f"{what} of {where}: {unknown_name(name, public)}")
     return getattr(module, name)
 

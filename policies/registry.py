@@ -7,9 +7,9 @@ are imported when they are made, not before.
 
 import inspect
 import types
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeAlias, get_args
+from typing import Any, TypeAlias, cast, get_args
 
 import msgspec
 
@@ -55,7 +55,7 @@ REGISTERED: Registry[object] = Registry(
 PolicyLike: TypeAlias = str | type[Any] | Policy | PolicySpec
 """A policy as a user may give it: by name, as a class, or as an object."""
 
-PolicyLikes: TypeAlias = PolicyLike | Sequence[PolicyLike] | Mapping[str, PolicyLike]
+PolicyLikes: TypeAlias = PolicyLike | Iterable[PolicyLike] | Mapping[str, PolicyLike]
 """One policy, several, or several by label."""
 
 _ON_REQUEST = ("gobbetti-custom", "predictive")
@@ -109,8 +109,9 @@ def spec_of(policy: PolicyLike, label: str | None = None) -> PolicySpec:
         name = policy.__name__
         spec = PolicySpec(name, name, _policy_class(name, policy), {})
     else:
-        name, params = type(policy).__name__, _given(policy)
+        name = type(policy).__name__
         cls = _policy_class(name, type(policy))
+        params = _given(policy)
         spec = PolicySpec(policy_text(name, params), name, cls, params, policy)
     return spec if label is None else replace(spec, label=label)
 
@@ -120,19 +121,27 @@ def specs_of(policies: PolicyLikes) -> list[PolicySpec]:
 
     Raises `InputError` as `spec_of` does, or if two have one label.
     """
-    if isinstance(policies, Mapping):
-        return [spec_of(policy, label) for label, policy in policies.items()]
-    if isinstance(policies, str) or not isinstance(policies, Sequence):
-        policies = [policies]
-    specs = [spec_of(policy) for policy in policies]
+    if isinstance(policies, (str, type, Policy, PolicySpec)):
+        specs = [spec_of(policies)]
+    elif isinstance(policies, Mapping):
+        labelled = cast("Mapping[str, PolicyLike]", policies)
+        specs = [spec_of(policy, label) for label, policy in labelled.items()]
+    elif isinstance(policies, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
+        specs = [spec_of(policy) for policy in policies]
+    else:
+        raise InputError(f"policies: expected names, classes or objects, got {policies!r}")
+    if not specs:
+        raise InputError("policies: expected one or more, got none; name one")
     require_distinct(specs)
     return specs
 
 
 def require_distinct(specs: Sequence[PolicySpec]) -> None:
-    """Raise `InputError` if two policies have one label."""
-    labels = [spec.label for spec in specs]
+    """Raise `InputError` if two policies have one label, or one has a label that names no file."""
+    labels: list[object] = [spec.label for spec in specs]
     for label in labels:
+        if not isinstance(label, str) or not label.isprintable() or not label.strip(". "):
+            raise InputError(f"policy: expected a label of one line, got {label!r}; name it")
         if labels.count(label) > 1:
             raise InputError(f"policy: expected each once, got {label} twice; name it once")
 
@@ -174,10 +183,13 @@ def _given(policy: Policy) -> dict[str, object]:
     known = inspect.signature(type(policy)).parameters
     values = {name: getattr(policy, name, ...) for name in known}
     plain = (bool, int, float, str, types.NoneType)
+    defaults = {name: parameter.default for name, parameter in known.items()}
     return {
         name: value
         for name, value in values.items()
-        if isinstance(value, plain) and value != known[name].default
+        # A default of another kind, such as an array, is not what a plain value could equal.
+        if isinstance(value, plain)
+        and not (isinstance(defaults[name], plain) and value == defaults[name])
     }
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from ..base.errors import InputError
+from ..base.errors import InputError, require_real, require_whole
 from .faults import Faults
 
 _MAX_FRAMES = 10_000_000
@@ -50,6 +50,7 @@ class ReplayOptions:
     memory_bytes: float | None = None
 
     def __post_init__(self) -> None:
+        self._require_types()
         if not (math.isfinite(self.budget_ms) and self.budget_ms > 0.0):
             raise InputError(f"budget: expected milliseconds > 0, got {self.budget_ms}")
         if self.frames is not None and not 1 <= self.frames <= _MAX_FRAMES:
@@ -62,7 +63,17 @@ class ReplayOptions:
             )
         if self.memory_bytes is not None and not 0.0 < self.memory_bytes < math.inf:
             raise InputError(f"memory: expected bytes > 0, got {self.memory_bytes}")
-        if self.bound_every < 0:
-            raise InputError(f"bound_every: expected frames >= 0, got {self.bound_every}")
-        if self.seed < 0:
-            raise InputError(f"seed: expected an integer >= 0, got {self.seed}")
+
+    def _require_types(self) -> None:
+        """Refuse fractions of frames, texts and truth values, which bounds alone would let pass."""
+        for name in ("seed", "frames", "measurement_delay", "bound_every", "draw"):
+            value = getattr(self, name)
+            if value is not None or name in {"seed", "measurement_delay", "bound_every"}:
+                signed = name in {"frames", "measurement_delay"}  # their bounds come below
+                require_whole(value, name, -_MAX_FRAMES if signed else 0)
+        for name in ("budget_ms", "fovy_deg", "crossfade_ms", "memory_bytes"):
+            value = getattr(self, name)
+            if value is not None or name != "memory_bytes":
+                require_real(value, name)
+        if not isinstance(self.faults, Faults):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise InputError(f"faults: expected a Faults, got {self.faults!r}")

@@ -20,7 +20,7 @@ HEAVY = ("numpy", "scipy", "trimesh", "casadi", "emcee", "plotly", "pyarrow", "n
 
 
 def name_of(path: Path) -> str:
-    """``models/cost.py`` for the identifiers of parametrised tests."""
+    """``models/machine/cost.py`` for the identifiers of parametrised tests."""
     return path.relative_to(ROOT).as_posix()
 
 

@@ -63,7 +63,7 @@ def compared() -> lodbench.Comparison:
 def test_the_list_of_names_is_sorted_and_whole() -> None:
     """`__all__` is sorted, is what `dir` shows, and every name in it leads to something."""
     assert lodbench.__all__ == sorted(lodbench.__all__)
-    assert set(lodbench.__all__) <= set(dir(lodbench))
+    assert dir(lodbench) == lodbench.__all__
     for name in lodbench.__all__:
         assert getattr(lodbench, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'compair'"):

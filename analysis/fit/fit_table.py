@@ -6,7 +6,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from ..report.terminal import titled_table
+from ..report.console_tables import titled_table
 
 THESIS = "the thesis on hierarchical levels of detail reports 4.39 % ± 15.19 % without feedback"
 

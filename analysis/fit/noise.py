@@ -1,8 +1,8 @@
 """The residual model of a profile, from residuals of successive frames.
 
 The simulator draws the noise of successive frames as an autoregression of order 1 with Student's
-t innovations (`models.residual`); the likelihood's noise is that of single frames.  The correlation
-and the innovations' tails are therefore fitted to the residuals themselves.
+t innovations (`models.machine.residual`); the likelihood's noise is that of single frames.  The
+correlation and the innovations' tails are therefore fitted to the residuals themselves.
 """
 
 from collections.abc import Sequence

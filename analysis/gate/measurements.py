@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import require_whole
 from ...policies.policy_spec import PolicySpec
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import Run
@@ -47,9 +47,7 @@ class MeasureOptions:
 
     def __post_init__(self) -> None:
         for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 0)):
-            value = getattr(self, name)
-            if value < low:
-                raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
+            require_whole(getattr(self, name), name, low)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Comparison, PolicyResult
+from .console_tables import plain_table
 from .summary import BOUND, HEADLINE, MetricColumn, best_labels, describe_run, unscored
-from .terminal import plain_table
 from .values import format_value
 
 if TYPE_CHECKING:  # rich is loaded by the command that prints

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...base.errors import InputError
+from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
@@ -42,9 +42,7 @@ class CompareOptions:
 
     def __post_init__(self) -> None:
         for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
-            value = getattr(self, name)
-            if value < low:
-                raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
+            require_whole(getattr(self, name), name, low)
 
 
 def compare(

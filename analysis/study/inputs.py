@@ -1,10 +1,12 @@
 """What is replayed, by name, by file, or as it is; traces are placed into their scene."""
 
+from contextlib import suppress
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
-from ...base.errors import InputError
+from ...base.errors import InputError, text_of
 from ...base.nearest_names import unknown_name
 from ...models.machine.hardware import HardwareProfile
 from ...models.machine.profile_catalog import load_hardware
@@ -31,37 +33,40 @@ since a scale multiplies speeds too; ``fit`` scales it to fill the scene; ``cent
 """
 
 
-SceneLike: TypeAlias = str | Path | Scene
-TraceLike: TypeAlias = str | Path | CameraTrace
-HardwareLike: TypeAlias = str | Path | HardwareProfile
+SceneLike: TypeAlias = str | PathLike[str] | Scene
+TraceLike: TypeAlias = str | PathLike[str] | CameraTrace
+HardwareLike: TypeAlias = str | PathLike[str] | HardwareProfile
 
 
 def as_scene(scene: SceneLike) -> Scene:
     """Return a scene, loaded if it is named; raises InputError as `load_scene` does."""
-    return scene if isinstance(scene, Scene) else load_scene(scene)
+    return load_scene(scene)
 
 
-def as_trace(trace: TraceLike, scene: Scene, place: str = "shrink") -> CameraTrace:
+def as_trace(trace: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:
     """Return a trace, loaded and placed if it is named; raises InputError as `load_trace` does."""
-    return trace if isinstance(trace, CameraTrace) else load_trace(trace, scene, place)
+    return load_trace(trace, scene, place)
 
 
 def as_hardware(hardware: HardwareLike) -> HardwareProfile:
     """Return a profile, loaded if it is named; raises InputError as `load_hardware` does."""
-    return hardware if isinstance(hardware, HardwareProfile) else load_hardware(hardware)
+    return load_hardware(hardware)
 
 
-def load_trace(name_or_path: str | Path, scene: Scene, place: str = "shrink") -> CameraTrace:
+def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
-    `place` is one of `Placing`.  Bundled scenes have ways and speeds of their own, see `stages`.
+    A trace is returned as it is.  `place` is one of `Placing`.  Bundled scenes have ways and speeds
+    of their own, see `stages`.
 
-    Raises `InputError` if the name is unknown, or the file cannot be read or placed.
+    Raises `InputError` if a name is unknown, or the file cannot be read or placed.
     """
     if place not in get_args(Placing):
         raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {place}; name one")
-    spec = str(name_or_path)
-    stage = find_stage(scene)
+    if isinstance(name_or_path, CameraTrace):
+        return name_or_path
+    spec = text_of(name_or_path, "trace", CameraTrace)
+    stage = find_stage(as_scene(scene))
     if spec == BUNDLED_TRACE:
         return stage.tour()
     if spec in KINDS:
@@ -87,4 +92,7 @@ def load_trace(name_or_path: str | Path, scene: Scene, place: str = "shrink") ->
 
 def _names_a_file(spec: str) -> bool:
     path, _ = split_spec(spec)
-    return path.exists() or path.suffix != "" or len(Path(spec).parts) > 1
+    with suppress(OSError):  # a name may be too long for one of a file
+        if path.exists():
+            return True
+    return path.suffix != "" or len(Path(spec).parts) > 1

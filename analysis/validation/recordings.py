@@ -68,11 +68,11 @@ class Recorded:
 class Recorder:
     """A scene on a device, ready to record one policy after another."""
 
-    def __init__(self, target: Target, scene: OpenedScene, how: RecordOptions) -> None:
+    def __init__(self, target: Target, scene: OpenedScene, settings: RecordOptions) -> None:
         self._device: Device = target.device
-        self._scene, self._how = scene.scene, how
+        self._scene, self._settings = scene.scene, settings
         self._renderer = Renderer(
-            target, scene.scene, scene.read_geometry(), instancing=how.instancing
+            target, scene.scene, scene.read_geometry(), instancing=settings.instancing
         )
 
     def record(
@@ -93,15 +93,17 @@ class Recorder:
         Raises
         ------
         InputError, PolicyError
-            As `sim.gl.record.record`.
+            As `render.gl.recorder.record`.
         """
-        how, name, step_ms = self._how, label or CALIBRATION, None
+        settings, name, step_ms = self._settings, label or CALIBRATION, None
         policy = Calibration(options.seed) if label is None else parse_policy(label).make()
         if label is None:
             _require_flat(self._scene)
             options = replace(options, frames=options.frames or _CALIBRATION_FRAMES)
             step_ms = max(1e3 * trace.duration_s / (options.frames or 1), 1e-3)
-        measuring = GlMachine(self._renderer, self._device, repeats=how.repeats, step_ms=step_ms)
+        measuring = GlMachine(
+            self._renderer, self._device, repeats=settings.repeats, step_ms=step_ms
+        )
         machine: Machine = measuring
         watching = None
         if pictures is not None:
@@ -114,11 +116,11 @@ class Recorder:
         about = conditions(self._scene, trace, hardware, options) | {
             "policy": name,
             "seed": str(options.seed),
-            "draws": "instanced" if how.instancing else "each object",
-            "repeats": str(how.repeats),
+            "draws": "instanced" if settings.instancing else "each object",
+            "repeats": str(settings.repeats),
         }
         if self._device.software:
-            about["threads"] = str(how.threads)
+            about["threads"] = str(settings.threads)
         header = header_of(self._device, about, recording.doubt)
         compared = () if watching is None else tuple(watching.compared)
         return Recorded(header, recording.columns, recording.frames, compared)
@@ -126,15 +128,15 @@ class Recorder:
 
 @contextmanager
 def open_recorder(
-    scene: OpenedScene, how: RecordOptions, size_px: tuple[int, int]
+    scene: OpenedScene, settings: RecordOptions, size_px: tuple[int, int]
 ) -> Generator[Recorder]:
     """Yield a recorder of a scene, and give its context back.
 
     Raises `InputError` if there is no context to be had, or the scene has no meshes.
     """
-    target = open_target(how.backend, size_px, threads=how.threads)
+    target = open_target(settings.backend, size_px, threads=settings.threads)
     try:
-        yield Recorder(target, scene, how)
+        yield Recorder(target, scene, settings)
     finally:
         target.close()
 

@@ -27,7 +27,7 @@ def record_all(
     trace: CameraTrace,
     hardware: HardwareProfile,
     options: ReplayOptions,
-    how: RecordOptions,
+    settings: RecordOptions,
     passes: int,
     progress: Progress | None = None,
 ) -> dict[str, list[Recorded]]:
@@ -45,7 +45,7 @@ def record_all(
         raise InputError(f"--passes: expected 1 or 2, got {passes}; 2 shows the machine's noise")
     size = (hardware.display.width_px, hardware.display.height_px)
     found: dict[str, list[Recorded]] = {label: [] for label in labels}
-    with open_recorder(scene, how, size) as recorder:
+    with open_recorder(scene, settings, size) as recorder:
         for again in range(passes):
             for place, label in enumerate(labels):
                 done = again * len(labels) + place
@@ -62,7 +62,7 @@ def simulate_all(
     trace: CameraTrace,
     hardware: HardwareProfile,
     options: ReplayOptions,
-    how: CompareOptions,
+    settings: CompareOptions,
     measured: Mapping[str, tuple[Measured, ...]],
 ) -> tuple[Comparison, dict[str, Pair]]:
     """Simulate what was recorded; return the comparison and both sides by label.
@@ -70,7 +70,7 @@ def simulate_all(
     Raises `InputError` if a policy cannot be simulated.
     """
     specs = [parse_policy(label) for label in labels]
-    comparison, logs = compare(specs, scene.scene, trace, hardware, options, how)
+    comparison, logs = compare(specs, scene.scene, trace, hardware, options, settings)
     for policy in comparison.policies:
         if policy.status != "ok":
             raise InputError(f"{policy.label}: expected a policy that runs; {policy.reason}")

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ..report.terminal import titled_table
+from ..report.console_tables import titled_table
 from ..report.values import ABSENT, format_span, format_value
 from .time_errors import ErrorSummary
 from .validation_result import Agreement, Errors, Validation

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...analysis.report.terminal import titled_table
+from ...analysis.report.console_tables import titled_table
 from ...base.errors import InputError
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it

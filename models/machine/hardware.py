@@ -101,7 +101,7 @@ class Provenance:
     measured_on: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class HardwareProfile:
     """Everything that the simulator knows about a machine.
 
@@ -135,6 +135,11 @@ class HardwareProfile:
             raise InputError("hardware: expected positive finite memory and disk figures")
         if self.disk_latency_ms < 0:
             raise InputError(f"disk latency: expected >= 0 ms, got {self.disk_latency_ms}")
+
+    def __repr__(self) -> str:
+        display, assumed = self.display, ", assumed" if self.provenance.assumed else ""
+        size = f"{display.width_px}x{display.height_px}"
+        return f"<HardwareProfile {self.name}: {display.mode}, {size}{assumed}>"
 
     def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
         """Return the GPU's cost model and scatter: the profile's own, or those of one draw.

@@ -56,7 +56,7 @@ class ObjectTypes:
             raise InputError(f"levels: expected {k} types as in names, got {got}")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Scene:
     """N nodes over K types.
 
@@ -95,8 +95,8 @@ class Scene:
     center_m: FloatArray = field(init=False)
     radius_m: FloatArray = field(init=False)
     roots: IntArray = field(init=False)
-    child_start: IntArray = field(init=False, repr=False)
-    child_ids: IntArray = field(init=False, repr=False)
+    child_start: IntArray = field(init=False)
+    child_ids: IntArray = field(init=False)
 
     @classmethod
     def of(
@@ -168,6 +168,9 @@ class Scene:
     def __len__(self) -> int:
         """Return the number of nodes."""
         return len(self.type_index)
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.name}: {len(self):,} nodes, {len(self.types.names):,} types>"
 
     @property
     def flat(self) -> bool:

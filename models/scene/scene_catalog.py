@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
-from ...base.errors import InputError
+from ...base.errors import InputError, is_file, text_of
 from ...base.nearest_names import unknown_name
 from ..meshes.geometry import Geometry
 from ..scenes.scene_cache import SUFFIX, cached_scene
@@ -33,12 +34,16 @@ def list_bundled_scenes() -> tuple[str, ...]:
     return tuple(sorted(SCENES))
 
 
-def load_scene(name_or_path: str | Path) -> Scene:
+def load_scene(name_or_path: str | PathLike[str] | Scene) -> Scene:
     """Return the bundled scene of that name, or that of a file, as `open_scene` does.
+
+    A scene is returned as it is.
 
     Raises `InputError` as `open_scene` does.
     """
-    return open_scene(str(name_or_path)).scene
+    if isinstance(name_or_path, Scene):
+        return name_or_path
+    return open_scene(text_of(name_or_path, "scene", Scene)).scene
 
 
 def open_scene(spec: str) -> OpenedScene:
@@ -66,7 +71,7 @@ def open_scene(spec: str) -> OpenedScene:
 
         scene, meshes, origin = read_gltf_scene(path)
         return OpenedScene(scene, origin, lambda: meshes)
-    if suffix == SUFFIX or path.is_file():
+    if suffix == SUFFIX or is_file(path):
         return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()
     files = f"a file ({SUFFIX}, tileset.json, .gltf, .glb)"

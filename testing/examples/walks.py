@@ -41,7 +41,9 @@ def long_rest(rest: int) -> int:
     return len(CUT) + 3 + rest + max(40, min(rest, 200))
 
 
-def walks(*shares: float, lone: bool = False, frames: Frames | None = None, **how: Any) -> Examples:
+def walks(
+    *shares: float, lone: bool = False, frames: Frames | None = None, **more: Any
+) -> Examples:
     """Return examples with budgets of these shares in every place, other arguments as they are.
 
     `frames` is a function of the frames that a policy takes to rest.
@@ -51,7 +53,7 @@ def walks(*shares: float, lone: bool = False, frames: Frames | None = None, **ho
         count = 0 if frames is None else frames(rest)
         for place in fitting(policy.capabilities, lone=lone):
             for share in shares:
-                yield example_at(place, share, frames=count, **how)
+                yield example_at(place, share, frames=count, **more)
 
     return examples
 

@@ -46,7 +46,7 @@ class Repair:
         return f"{self.count} {self.what}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class CameraTrace:
     """A camera path as samples over time, with the pose at any time in between.
 
@@ -78,8 +78,8 @@ class CameraTrace:
     cut: BoolArray
     origin_s: float = 0.0
     repairs: tuple[Repair, ...] = ()
-    _times: list[float] = field(init=False, repr=False)
-    _rows: list[tuple[float, ...]] = field(init=False, repr=False)
+    _times: list[float] = field(init=False)
+    _rows: list[tuple[float, ...]] = field(init=False)
 
     def __post_init__(self) -> None:
         n = np.size(self.time_s)
@@ -102,6 +102,9 @@ class CameraTrace:
 
     def __len__(self) -> int:
         return len(self._times)
+
+    def __repr__(self) -> str:
+        return f"<CameraTrace {self.name}: {self.duration_s:.1f} s, {len(self):,} poses>"
 
     @property
     def duration_s(self) -> float:

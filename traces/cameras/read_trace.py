@@ -3,7 +3,7 @@
 from itertools import islice
 from pathlib import Path
 
-from ...base.errors import InputError
+from ...base.errors import InputError, about_users_code, is_file, require_kind
 from ...base.name_registry import Registry
 from .camera_trace import CameraTrace
 from .text_lines import first_data, read_lines
@@ -38,7 +38,8 @@ def register_format(name: str, known: TraceFormat) -> None:
 def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
     """Read the trace that ``PATH`` or ``PATH#SELECTOR`` names.
 
-    Raises `InputError` if the format is not known or the file breaks it.
+    Raises `InputError` if the format is not known, the file breaks it, or a format of a user's own
+    fails.
 
     Parameters
     ----------
@@ -51,13 +52,16 @@ def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
     """
     path, selector = split_spec(spec)
     name = format_of(path) if format_name is None else format_name
-    return FORMATS.find(name).read(path, selector)
+    known = FORMATS.find(name)
+    with about_users_code(known.read, name, path):
+        trace = known.read(path, selector)
+    return require_kind(trace, CameraTrace, name, path)
 
 
 def split_spec(spec: str) -> tuple[Path, str | None]:
     """Path and selector of a specification; a file whose own name holds ``#`` comes first."""
     name, mark, selector = spec.rpartition("#")
-    if not mark or Path(spec).is_file():
+    if not mark or is_file(Path(spec)):
         return Path(spec), None
     return Path(name), selector
 
@@ -65,12 +69,14 @@ def split_spec(spec: str) -> tuple[Path, str | None]:
 def format_of(path: Path) -> str:
     """Name in `FORMATS` of a file's format, by its content.
 
-    Raises `InputError` if the file cannot be read or no format recognises it.
+    Raises `InputError` if the file cannot be read, no format recognises it, or one of a user fails.
     """
     lines = _head_lines(path)
     for name in FORMATS:
-        if FORMATS.find(name).recognises(lines):
-            return name
+        known = FORMATS.find(name)
+        with about_users_code(known.recognises, name, path):
+            if known.recognises(lines):
+                return name
     shown = (first_data(lines) or "no data")[:60]
     message = (
         f"expected a camera trace of a known format ({', '.join(FORMATS)}), got {shown!r}; "

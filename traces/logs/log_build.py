@@ -35,12 +35,12 @@ def build_log(
         for column, value in held.items()
         if column.name in TIMES
     }
-    said = [f"{c.name} is {c.source} in {_stated(c)}" for c in columns if c.name in TIMES]
+    sources = [f"{c.name} is {c.source} in {_stated(c)}" for c in columns if c.name in TIMES]
     for column, value in held.items():
         if column.name == "time_s":
             unit = column.unit or _clock_unit(value, times.get("frame_ms"))
             times["time_s"] = _scaled(value, MS_PER[unit] / 1e3)
-            said.append(f"time_s is {column.source} in {unit}")
+            sources.append(f"time_s is {column.source} in {unit}")
     counts = {column.name: value for column, value in held.items() if column.name not in times}
     pixels = _pixels(header)
     if pixels:
@@ -55,7 +55,7 @@ def build_log(
         cpu_ms=times.get("cpu_ms"),
         time_s=times.get("time_s"),
         header=header,
-        notes=(*notes, *said),
+        notes=(*notes, *sources),
     )
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...base.errors import InputError
+from ...base.errors import InputError, about_users_code, require_kind
 from ...base.name_registry import Registry
 from .log_format import Columns, LogFormat, LogHead
 from .render_log import RenderLog
@@ -39,7 +39,8 @@ def read_render_log(
 ) -> RenderLog:
     """Read a log.
 
-    Raises `InputError` if the format is not known, the file breaks it, or it has no column to map.
+    Raises `InputError` if the format is not known, the file breaks it, it has no column to map, or
+    a format of a user's own fails.
 
     Parameters
     ----------
@@ -52,13 +53,15 @@ def read_render_log(
     if mapping and not chosen.predictors:
         message = f"expected no mapping, since a {name} log holds nothing but times"
         raise InputError(f"{message}; remove it, or name the format csv", path=path)
-    return chosen.read(path, mapping)
+    with about_users_code(chosen.read, name, path):
+        log = chosen.read(path, mapping)
+    return require_kind(log, RenderLog, name, path)
 
 
 def log_format_of(path: Path) -> str:
     """Return the name in `LOG_FORMATS` of a file's format, by its content.
 
-    Raises `InputError` if the file cannot be read.
+    Raises `InputError` if the file cannot be read, or a format of a user's own fails.
     """
     try:
         with path.open("rb") as file:
@@ -67,8 +70,14 @@ def log_format_of(path: Path) -> str:
         reason = getattr(error, "strerror", None) or error
         message = f"expected a file that can be read, got {reason}; check the path"
         raise InputError(message, path=path) from error
-    name = next(name for name in LOG_FORMATS if LOG_FORMATS.find(name).recognises(head))
+    name = next(name for name in LOG_FORMATS if _recognises(name, head, path))
     if name in {"capframex", "csv"} and head.text.startswith(("[", "{")) and '"ph"' in head.text:
         message = "expected a render log, got Chrome trace events, which have no table of frames"
         raise InputError(f"{message}; export the counters as CSV", path=path)
     return name
+
+
+def _recognises(name: str, head: LogHead, path: Path) -> bool:
+    known = LOG_FORMATS.find(name)
+    with about_users_code(known.recognises, name, path):
+        return bool(known.recognises(head))

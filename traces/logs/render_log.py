@@ -41,7 +41,7 @@ class Rejection:
         return f"{self.count} {self.reason}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RenderLog:
     """One value of each column per frame, in the order of the file.
 
@@ -86,6 +86,11 @@ class RenderLog:
 
     def __len__(self) -> int:
         return len(self.counts)
+
+    def __repr__(self) -> str:
+        times = ", ".join(self.times) or "no times"
+        predictors = f"{len(self.predictors):,} predictors"
+        return f"<RenderLog {self.name}: {len(self):,} frames, {times}, {predictors}>"
 
     @property
     def times(self) -> tuple[TimeName, ...]:

@@ -164,7 +164,7 @@ def read_present_table(
         application=application,
         process_id=int(process) if process.isdecimal() else -1,
         swap_chain=swap_chain,
-        notes=(*notes, *_said(rows, stream)),
+        notes=(*notes, *_stream_notes(rows, stream)),
     )
 
 
@@ -207,7 +207,7 @@ def _is_beside(stream: tuple[str, ...]) -> bool:
     return application.lower() == "dwm.exe" or not swap_chain.lower().removeprefix("0x").strip("0")
 
 
-def _said(rows: _Rows, stream: tuple[str, ...]) -> tuple[str, ...]:
+def _stream_notes(rows: _Rows, stream: tuple[str, ...]) -> tuple[str, ...]:
     notes: list[str] = []
     others = len(set(rows.streams)) - 1
     if others:
