@@ -88,7 +88,7 @@ def test_posterior_draws_play_the_truth(run: Run, make_hardware: MakeHardware) -
         ({"frames": 0}, "frames: expected 1 to"),
         ({"crossfade_ms": -1.0}, "crossfade: expected milliseconds >= 0"),
         ({"measurement_delay": 17}, "measurement delay: expected 0 to 16"),
-        ({"seed": -1}, "seed: expected an integer >= 0"),
+        ({"seed": -1}, "seed: expected a whole number >= 0"),
     ],
 )
 def test_impossible_options_are_refused(options: dict[str, Any], message: str) -> None:
