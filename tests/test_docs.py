@@ -83,8 +83,16 @@ def run_installed(line: str) -> tuple[int, str]:
 
 RUNNING = [page for page in PAGES if any(line.startswith("lodbench ") for line in commands(page))]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
-LONG = {"ci.md", "fitting.md", "hardware.md", "lod-models.md", "recording.md", "scenes.md"}
-"""Pages that draw, fit or simplify for some ten seconds; the README has each in a short form."""
+LONG = {
+    "README.md",
+    "ci.md",
+    "fitting.md",
+    "hardware.md",
+    "lod-models.md",
+    "recording.md",
+    "scenes.md",
+}
+"""Pages that draw, fit or simplify for some ten seconds; quick tests run each command briefly."""
 
 
 def params(pages: list[Path]) -> list[Any]:

@@ -162,6 +162,7 @@ def mesh_scene(data_dir: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
     return target
 
 
+@pytest.mark.slow
 @pytest.mark.realdata
 @pytest.mark.parametrize(
     "trace", ["tum-freiburg1-xyz.txt", "euroc-v102.csv", "kitti-00.txt", "hmd-6dof-h1.csv#first"]

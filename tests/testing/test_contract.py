@@ -53,6 +53,7 @@ def test_registered(policy_factory: Factory, check: Check) -> None:
     check(policy_factory)
 
 
+@pytest.mark.slow
 @parametrize_with_checks(made(ELSEWHERE))
 def test_other_parameters(policy_factory: Factory, check: Check) -> None:
     """So it does with parameters on which its claims or its way of working depend."""

@@ -71,6 +71,7 @@ def test_fewer_toggles_than_a_fixed_threshold(city: Scene, run: Callable[..., Fr
     assert _per_frame(own, "toggles") < _per_frame(other, "toggles")
 
 
+@pytest.mark.slow
 def test_fewer_toggles_than_a_knapsack_on_its_own_hierarchy(
     chains: Scene, run: Callable[..., FrameLog]
 ) -> None:
