@@ -28,6 +28,7 @@ def test_a_path_becomes_a_regression_test(
     assert "passes: feedback in plaza on stress: work_ms_max" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_text_says_what_was_found(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """Badness of the path and of the walk stand side by side."""
     out = tmp_path / "worst.csv"

@@ -69,6 +69,7 @@ def test_a_failed_budget_says_what_the_command_says(project: Path) -> None:
     assert f"AssertionError: {fails}" in run.stdout
 
 
+@pytest.mark.slow
 def test_sweeps_run_when_asked_for(project: Path) -> None:
     """A marked test is skipped with its reason, and runs with the option; the marker is known."""
     run = run_pytest(project, "-k", "sweep or replay", "-rs")

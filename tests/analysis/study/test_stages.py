@@ -21,6 +21,7 @@ def test_other_scenes_have_the_box_about_them(small_scene: Scene) -> None:
     assert stage.way_m is None
 
 
+@pytest.mark.slow
 def test_paths_in_the_building() -> None:
     """Walk and drive go the same way through rooms and corridors, the drive ten times as fast."""
     scene, _ = build_soda_hall()

@@ -12,6 +12,7 @@ def test_an_ogre_has_1960_triangles() -> None:
         assert len(ogre_mesh(np.random.default_rng(seed)).faces) == 1_960
 
 
+@pytest.mark.slow
 def test_ogres() -> None:
     """3,000 of them, continuous, from 1,960 triangles to exactly a tenth, with measured errors."""
     scene, geometry = build_ogres()

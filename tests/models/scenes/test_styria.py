@@ -29,6 +29,7 @@ def test_groups_hold_all_trees(count: int, seed: int) -> None:
     assert (held[:, leaf].sum(axis=0) >= groups.trees[leaf]).all()
 
 
+@pytest.mark.slow
 def test_heights() -> None:
     """2,049² of them, from valleys to the Alps, the same every time."""
     heights = styria_heights()

@@ -37,6 +37,7 @@ def result(out: Path) -> Any:
     return json.loads((out / "result.json").read_text())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("egl")
 def test_a_run_leaves_logs_that_can_be_fitted(
     balls: tuple[Scene, Geometry], scratch: Path, tmp_path: Path
