@@ -110,11 +110,13 @@ def require_between(value: float, low: float, high: float, name: str) -> None:
         raise InputError(f"{name}: expected {expected}, got {value}")
 
 
-def require_whole(value: object, name: str, low: int) -> None:
-    """Raise InputError unless a value is a whole number of at least `low`, no truth value."""
-    if isinstance(value, SupportsIndex) and not isinstance(value, bool) and int(value) >= low:
+def require_whole(value: object, name: str, low: int | None = None) -> None:
+    """Raise InputError unless a value is a whole number, of at least `low` if that is given."""
+    whole = int(value) if isinstance(value, SupportsIndex) and not isinstance(value, bool) else None
+    if whole is not None and (low is None or whole >= low):
         return
-    raise InputError(f"{name}: expected a whole number >= {low}, got {value}")
+    bound = "" if low is None else f" >= {low}"
+    raise InputError(f"{name}: expected a whole number{bound}, got {value}")
 
 
 def require_real(value: object, name: str) -> None:

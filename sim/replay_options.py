@@ -66,11 +66,13 @@ class ReplayOptions:
 
     def _require_types(self) -> None:
         """Refuse fractions of frames, texts and truth values, which bounds alone would let pass."""
-        for name in ("seed", "frames", "measurement_delay", "bound_every", "draw"):
-            value = getattr(self, name)
-            if value is not None or name in {"seed", "measurement_delay", "bound_every"}:
-                signed = name in {"frames", "measurement_delay"}  # their bounds come below
-                require_whole(value, name, -_MAX_FRAMES if signed else 0)
+        require_whole(self.seed, "seed", 0)
+        require_whole(self.bound_every, "bound_every", 0)
+        require_whole(self.measurement_delay, "measurement_delay")
+        if self.frames is not None:
+            require_whole(self.frames, "frames")
+        if self.draw is not None:
+            require_whole(self.draw, "draw", 0)
         for name in ("budget_ms", "fovy_deg", "crossfade_ms", "memory_bytes"):
             value = getattr(self, name)
             if value is not None or name != "memory_bytes":
