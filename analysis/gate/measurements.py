@@ -15,7 +15,7 @@ from ...base.arrays import FloatArray
 from ...base.errors import require_whole
 from ...policies.policy_spec import PolicySpec
 from ...sim.frame_log import FrameLog
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Score
 from ..study.comparison_folder import read_results
@@ -127,10 +127,10 @@ def measure(
 
 
 def _measured(names: tuple[str, str, str], runs: Runs) -> MeasuredPolicy:
-    if runs.unfit is not None:
-        return MeasuredPolicy(*names, f"not applicable: {runs.unfit}")
     if runs.failure is not None:
-        return MeasuredPolicy(*names, runs.failure, failed=True)
+        failed = runs.failure.kind == "failed"
+        reason = str(runs.failure) if failed else f"not applicable: {runs.failure}"
+        return MeasuredPolicy(*names, reason, failed)
     means = runs.means
     paired = _pool(means)
     pools = [_pool(drawn) for drawn in runs.drawn] or [paired]
@@ -193,7 +193,7 @@ def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
             reason = policy.reason if failed else f"not applicable: {policy.reason}"
             measured.append(MeasuredPolicy(*names, reason, failed))
             continue
-        run = Run(logs[policy.label], comparison.warmup)
+        run = MeasuredFrames(logs[policy.label], comparison.warmup)
         statistics = {metric.id: metric(run) for metric in METRICS}
         paired = resample(run, statistics, comparison.seed, 0, count)
         logged = (run.log,)

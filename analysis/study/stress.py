@@ -23,7 +23,7 @@ from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.tour import EYE_M
 from ...traces.cameras.orientation import look_along
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import find_metric
 from .runs import Progress
 
@@ -147,7 +147,7 @@ def measure_badness(
     log = replay(spec.make(), scene, trace, hardware, options, name=spec.label)
     if len(log) <= warmup:
         return 0.0
-    value = find_metric(METRIC_OF[badness]).value(Run(log, warmup)) or 0.0
+    value = find_metric(METRIC_OF[badness]).value(MeasuredFrames(log, warmup)) or 0.0
     return value / options.budget_ms if badness == "overshoot" else value
 
 
