@@ -12,11 +12,14 @@ import io
 import pickle
 import re
 import sys
+from collections.abc import Callable
 from importlib.abc import SourceLoader
 from operator import attrgetter
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+
+import cloudpickle
 
 from .errors import InputError
 from .nearest_names import unknown_name
@@ -44,25 +47,22 @@ def load_object(text: str, what: str) -> object:
     return getattr(module, name)
 
 
-def pickle_for_worker(value: object) -> bytes:
-    """Return the pickle of a value, which loads users' files wherever it is unpickled."""
-    buffer = io.BytesIO()
-    _Pickler(buffer, protocol=5).dump(value)
-    return buffer.getvalue()
+def pickle_for_worker(
+    value: object, buffer_callback: Callable[[pickle.PickleBuffer], Any] | None = None
+) -> bytes:
+    """Return the pickle of a value, which finds users' code wherever it is unpickled.
 
+    A class or function of a user's file takes the file's source along, one of an installed module
+    is found by name, and any other, as of a script, a notebook or a function, travels by value.
 
-def reduce_users_file(obj: Any) -> Any:
-    """Return how to pickle a class or function of a user's file, NotImplemented for anything else.
-
-    For the `reducer_override` of a pickler: no import would lead to a user's file, so its source
-    goes along.
+    Parameters
+    ----------
+    buffer_callback
+        Takes the arrays, which are then no part of the pickle (see `pickle.Pickler`).
     """
-    if not isinstance(obj, (type, FunctionType)):
-        return NotImplemented
-    loader = getattr(sys.modules.get(obj.__module__), "__loader__", None)
-    if not isinstance(loader, _Source):
-        return NotImplemented
-    return _find_in_source, (obj.__module__, loader.path, loader.source, obj.__qualname__)
+    buffer = io.BytesIO()
+    _Pickler(buffer, protocol=5, buffer_callback=buffer_callback).dump(value)
+    return buffer.getvalue()
 
 
 def _load_file(path: Path, what: str) -> ModuleType:
@@ -106,11 +106,16 @@ class _Source(SourceLoader):
         return self.source
 
 
-class _Pickler(pickle.Pickler):
-    """Takes the source of users' files along."""
+class _Pickler(cloudpickle.Pickler):
+    """Takes the source of users' files along: no import would lead to them."""
 
     def reducer_override(self, obj: Any) -> Any:
-        return reduce_users_file(obj)
+        if isinstance(obj, (type, FunctionType)):
+            loader = getattr(sys.modules.get(obj.__module__), "__loader__", None)
+            if isinstance(loader, _Source):
+                name = obj.__qualname__
+                return _find_in_source, (obj.__module__, loader.path, loader.source, name)
+        return super().reducer_override(obj)
 
 
 def _find_in_source(module: str, path: str, source: bytes, name: str) -> object:
