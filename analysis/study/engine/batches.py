@@ -1,12 +1,13 @@
-"""Which tasks travel together, and which outcomes can be told already.
+"""Which tasks travel together.
 
 A message to a cluster costs some milliseconds, so short tasks of one owner travel together; long
-ones travel alone, since what travels together is lost together.
+ones travel alone, since what travels together is told together and lost together.
 """
 
 from collections import deque
 from collections.abc import Sequence
 
+from .schedule import Schedule
 from .task import Outcome
 
 _BATCH_S = 0.3  # wall time that a batch is to take: progress is seen, and messages are few
@@ -15,29 +16,24 @@ _LATEST = 0.3  # weight of the latest task in what an owner's tasks are thought 
 
 
 class Batches:
-    """The tasks that are left, by owner in the order given."""
+    """The tasks of one call, handed out together as far as they are short."""
 
     def __init__(self, owners: Sequence[str], *, stop: bool) -> None:
-        self._owners, self._stop = owners, stop
-        self._pending: dict[str, deque[int]] = {}
-        for index, owner in enumerate(owners):
-            self._pending.setdefault(owner, deque()).append(index)
+        self._schedule = Schedule(owners, stop=stop)
+        self._owners = owners
+        self._in_turn = deque(dict.fromkeys(owners))
         self._alone: deque[int] = deque()
-        self._undelivered = len(owners)
         self._took_s: dict[str, float] = {}
-        # With `stop` an outcome is held until those before it of its owner are there: only then is
-        # it certain that no failure comes before it.
-        self._untold = {owner: deque(indices) for owner, indices in self._pending.items()}
-        self._held: dict[int, Outcome] = {}
-        self._untold_count = len(owners)
 
     @property
     def finished(self) -> bool:
-        """Whether all outcomes have been told."""
-        return self._untold_count == 0
+        """Whether every task has been told or dropped."""
+        return self._schedule.finished
 
     def take(self, slots: int) -> list[int]:
         """Return tasks of one owner to be carried out together; none if nothing is left.
+
+        Owners come one after the other, so that few workers change from one to another.
 
         Parameters
         ----------
@@ -47,63 +43,35 @@ class Batches:
         """
         while self._alone:
             index = self._alone.popleft()
-            if not self.is_moot(index):
-                self._undelivered -= 1
+            if self._schedule.wants(index):
                 return [index]
-        if not self._pending:
+        while self._in_turn and not self._schedule.waits(self._in_turn[0]):
+            self._in_turn.popleft()
+        if not self._in_turn:
             return []
-        owner, queue = next(iter(self._pending.items()))
-        fair = max(1, self._undelivered // (2 * slots))
-        size = min(self._size(owner), fair, len(queue))
-        batch = [queue.popleft() for _ in range(size)]
-        self._undelivered -= size
-        if not queue:
-            del self._pending[owner]
+        owner = self._in_turn[0]
+        size = min(self._size(owner), max(1, self._schedule.waiting // (2 * slots)))
+        batch: list[int] = []
+        while len(batch) < size and self._schedule.waits(owner):
+            batch.append(self._schedule.take(owner))
         return batch
 
     def put_back(self, indices: Sequence[int]) -> None:
         """Hand out again, one by one, what was lost on its way."""
-        again = [index for index in indices if not self.is_moot(index)]
-        self._alone.extend(again)
-        self._undelivered += len(again)
+        self._alone.extend(indices)
 
     def settle(self, outcome: Outcome) -> list[Outcome]:
-        """Take in an outcome and return those that can be told now."""
+        """Take in an outcome and return those that may be told now (see `Schedule`)."""
+        if not self._schedule.wants(outcome.index):
+            return []
         owner = self._owners[outcome.index]
         before = self._took_s.get(owner, outcome.took_s)
         self._took_s[owner] = before + _LATEST * (outcome.took_s - before)
-        if not self._stop:
-            self._untold_count -= 1
-            return [outcome]
-        if self.is_moot(outcome.index):
-            return []
-        self._held[outcome.index] = outcome
-        if outcome.failure is not None:
-            self._drop_after(owner, outcome.index)
-        untold, told = self._untold[owner], list[Outcome]()
-        while untold and untold[0] in self._held:
-            told.append(self._held.pop(untold.popleft()))
-        self._untold_count -= len(told)
-        return told
+        return self._schedule.finish(outcome)
 
-    def is_moot(self, index: int) -> bool:
-        """Whether nobody waits for a task any more: it is done, or one before it has failed."""
-        if not self._stop:
-            return False
-        untold = self._untold[self._owners[index]]
-        return index in self._held or not untold or not untold[0] <= index <= untold[-1]
-
-    def _drop_after(self, owner: str, failed: int) -> None:
-        untold = self._untold[owner]
-        while untold[-1] > failed:
-            self._held.pop(untold.pop(), None)
-            self._untold_count -= 1
-        queue = self._pending.get(owner, deque())
-        while queue and queue[-1] > failed:
-            queue.pop()
-            self._undelivered -= 1
-        if not queue:
-            self._pending.pop(owner, None)
+    def wants(self, indices: Sequence[int]) -> bool:
+        """Whether anybody waits for one of these tasks."""
+        return any(map(self._schedule.wants, indices))
 
     def _size(self, owner: str) -> int:
         """Return how many tasks take about as long as a batch is to take."""

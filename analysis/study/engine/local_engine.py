@@ -39,14 +39,16 @@ class LocalEngine:
     ----------
     inputs
         What tasks share.  It reaches workers as one file, of which they have a map that cannot be
-        written.
+        written.  A file that is given is left to the giver.
     workers
         Processes at most; 0 for as many as there are processors.
     limits
         What a policy may take.
     """
 
-    def __init__(self, inputs: Inputs, workers: int = 0, limits: Limits | None = None) -> None:
+    def __init__(
+        self, inputs: Inputs | SharedInputs, workers: int = 0, limits: Limits | None = None
+    ) -> None:
         self._inputs, self._limits = inputs, limits or Limits()
         self._most = workers or count_processors()
         self._shared: SharedInputs | None = None
@@ -64,9 +66,9 @@ class LocalEngine:
         end_all(workers)
         for worker in workers:
             self._keep_printed(worker)
-        if self._shared is not None:
+        if self._shared is not None and self._shared is not self._inputs:
             self._shared.close()
-            self._shared = None
+        self._shared = None
         for owner, text in self._printed.items():
             for line in text.decode(errors="replace").splitlines()[-20:]:
                 print(f"{owner} printed: {line}", file=sys.stderr)
@@ -76,7 +78,8 @@ class LocalEngine:
         """Yield what became of each task (see `Engine`)."""
         schedule = Schedule([task.owner for task in tasks], stop=stop)
         if self._shared is None:
-            self._shared = SharedInputs(self._inputs)
+            given = self._inputs
+            self._shared = given if isinstance(given, SharedInputs) else SharedInputs(given)
             self._memory_bytes = self._limits.worker_bytes(max(min(self._most, len(tasks)), 1))
         try:
             while not schedule.finished:
@@ -86,6 +89,11 @@ class LocalEngine:
                 self._dismiss(schedule)
         finally:
             self._end([worker for worker in self._workers if worker.queue])
+
+    def interrupt(self) -> None:
+        """Kill what runs, so that its tasks fail; may be called from any thread."""
+        for worker in list(self._workers):
+            worker.kill()
 
     def _assign(self, schedule: Schedule, tasks: Sequence[Task]) -> None:
         """Give every worker something to do, and one task more where there are plenty."""

@@ -9,8 +9,8 @@ import os
 import pickle
 import tempfile
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Self
 
 from ....base.user_code import pickle_for_worker
 from .task import Inputs
@@ -35,17 +35,31 @@ class SharedInputs:
         buffers: list[pickle.PickleBuffer] = []
         data = pickle_for_worker(dict(inputs), buffers.append)
         parts = [memoryview(data), *(buffer.raw() for buffer in buffers)]
-        self.sizes = [len(part) for part in parts]
+        padded = [(part, bytes(-len(part) % _ALIGNMENT)) for part in parts]
+        self._write([len(part) for part in parts], [piece for pair in padded for piece in pair])
+
+    @classmethod
+    def of_content(cls, sizes: list[int], content: bytes | memoryview) -> Self:
+        """Return the same inputs on another machine, from the content of their file."""
+        made = cls.__new__(cls)
+        made._write(sizes, [content])  # noqa: SLF001 - of this very class
+        return made
+
+    def _write(self, sizes: list[int], pieces: Sequence[bytes | memoryview]) -> None:
+        self.sizes = sizes
         self.fd = _nameless_file("lodbench-inputs")
         with open(os.dup(self.fd), "wb") as file:  # noqa: PTH123 - a descriptor, no path
-            for part in parts:
-                file.write(part)
-                file.write(bytes(-len(part) % _ALIGNMENT))
+            for piece in pieces:
+                file.write(piece)
         if hasattr(os, "memfd_create"):
             import fcntl
 
             seals = fcntl.F_SEAL_WRITE | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
             fcntl.fcntl(self.fd, fcntl.F_ADD_SEALS, seals)
+
+    def content(self) -> mmap.mmap:
+        """Return what the file holds, as a map that cannot be written."""
+        return mmap.mmap(self.fd, 0, access=mmap.ACCESS_READ)
 
     def close(self) -> None:
         """Let go of the file; processes that have it mapped keep it."""

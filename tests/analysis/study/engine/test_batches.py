@@ -64,7 +64,7 @@ def test_the_first_failure_ends_its_owner_whenever_it_arrives() -> None:
         for index in order:
             seen += told(batches, index, fails=index in {1, 3})
         assert seen == [0, 1]
-        assert batches.is_moot(4)
+        assert not batches.wants([2, 3, 4])
         assert (batches.take(1), batches.take(1)) == ([5], [])
         assert told(batches, 5) == [5]
         assert batches.finished
@@ -75,7 +75,7 @@ def test_without_stop_everything_is_told_at_once() -> None:
     batches = Batches(["a"] * 3, stop=False)
     assert told(batches, 1, fails=True) == [1]
     assert told(batches, 0) == [0]
-    assert not batches.is_moot(2)
+    assert batches.wants([2])
     assert told(batches, 2) == [2]
     assert batches.finished
 
