@@ -1,6 +1,5 @@
 """The engine that a study is carried out on."""
 
-from ....base.errors import InputError
 from .limits import Limits
 from .local_engine import LocalEngine
 from .task import Engine, Inputs
@@ -24,8 +23,10 @@ def open_engine(
     limits
         What a policy may take.
     scheduler
-        Address of a Dask scheduler; None for this machine.
+        Address of a Dask scheduler (see `Cluster`); None for this machine.
     """
     if scheduler is not None:
-        raise InputError("--scheduler: expected the extra cluster; install lodbench[cluster]")
+        from .dask_engine import DaskEngine
+
+        return DaskEngine(inputs, scheduler, limits)
     return LocalEngine(inputs, workers, limits)
