@@ -8,8 +8,11 @@ import asyncio
 import concurrent.futures
 import json
 import logging
+import queue
+import threading
 import time
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -33,6 +36,7 @@ LOST = (
 )
 """What Dask raises where a connection ends under it: an `OSError` or whatever that leads to."""
 
+_SLACK_S = 1.0  # after which a time limit that Dask was given is taken to have failed
 _SLOTS_S = 2.0  # for which the number of threads of a cluster is taken to be as it was
 
 
@@ -45,27 +49,37 @@ class Cluster:
         ``tcp://HOST:PORT``, ``tls://HOST:PORT`` or any other address that Dask knows, the file that
         ``dask scheduler --scheduler-file`` writes, or "config" for the address in Dask's own
         configuration.
+
+    Attributes
+    ----------
+    client : distributed.Client or None
+    versions : Versions
+        What workers have to have.
     """
 
     def __init__(self, scheduler: str) -> None:
         self.scheduler = scheduler
         self.client: Any = None
+        self.versions = versions_here()
         self._slots = 1
         self._slots_until = 0.0
 
-    def connect(self, within_s: float = CONNECT_S) -> None:
+    def connect(self, within_s: float | None = None) -> None:
         """Reach the scheduler.
 
-        Raises `InputError` if it cannot be reached within the time given.
+        Raises `InputError` if it cannot be reached within the time given, else `CONNECT_S`.
         """
+        within_s = CONNECT_S if within_s is None else within_s
         client_class = _import_distributed().Client
         address = _address_of(self.scheduler)
+
+        def open_client() -> Any:
+            return client_class(address, timeout=within_s, set_as_default=False, name="lodbench")
+
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # other versions of Dask, which it puts up with
-                self.client = client_class(
-                    address, timeout=within_s, set_as_default=False, name="lodbench"
-                )
+                self.client = _within(within_s, open_client)
         except (*LOST, ValueError, TypeError, ImportError) as error:
             raise self._unreachable(error) from error
 
@@ -110,7 +124,6 @@ class Cluster:
 
     def check_workers(self) -> None:
         """Wait for a worker; raise `InputError` unless all that are there have our versions."""
-        mine = versions_here()
         first = self.client.submit(versions_here, pure=False)  # starts one where clusters adapt
         while True:
             try:
@@ -127,7 +140,7 @@ class Cluster:
                 raise self._no_lodbench(theirs)
             if isinstance(theirs, Exception):
                 continue  # it is ending, or is asked again by its first batch
-            difference = describe_difference(mine, theirs)
+            difference = describe_difference(self.versions, theirs)
             if difference:
                 raise InputError(mismatch(f"{difference} on {worker}" if worker else difference))
 
@@ -163,6 +176,29 @@ class QuietDask:
         """Let it be heard again."""
         while self._handlers:
             self._handlers.pop().removeFilter(_drop)
+
+
+def _within(seconds: float, function: Callable[[], Any]) -> Any:
+    """Return what a function returns, in a thread of its own; raises TimeoutError if it takes long.
+
+    Dask's own time limit does not hold where something listens that is no scheduler.
+    """
+    done: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
+
+    def call() -> None:
+        try:
+            done.put((function(), None))
+        except BaseException as error:  # noqa: BLE001 - raised where it is waited for
+            done.put((None, error))
+
+    threading.Thread(target=call, daemon=True).start()
+    try:
+        value, error = done.get(timeout=seconds + _SLACK_S)
+    except queue.Empty:
+        raise TimeoutError(f"no answer for {seconds:g} s") from None
+    if error is not None:
+        raise error
+    return value
 
 
 def _drop(_record: logging.LogRecord) -> bool:

@@ -20,7 +20,6 @@ from .limits import Limits
 from .sent_inputs import SentInputs, abandon
 from .shared_file import SharedInputs
 from .task import Failure, Inputs, Outcome, Task
-from .versions import versions_here
 
 _AHEAD = 2  # batches for each thread of the cluster: one that is carried out, one that waits
 _SETBACKS = 5  # in a row, without an outcome between them, after which a study is given up
@@ -99,7 +98,7 @@ class DaskEngine:
                 tuple(_close(tasks[index], registered) for index in indices),
                 stop,
                 self._limits,
-                versions_here(),
+                self._cluster.versions,
             )
             self._flying_key(indices, batch)
 
