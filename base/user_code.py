@@ -2,24 +2,17 @@
 
 A file is loaded under a module name made of its path and content.  So two files of one name live
 side by side, an edited file is loaded anew, and what was made before the edit keeps its class.
-Pickles hold the file's source, so that they load on machines that do not have the file.
+The source is kept with the module, for machines that do not have the file.
 """
 
 import hashlib
 import importlib
 import importlib.util
-import io
-import pickle
 import re
 import sys
-from collections.abc import Callable
 from importlib.abc import SourceLoader
-from operator import attrgetter
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
-
-import cloudpickle
+from types import ModuleType
 
 from .errors import InputError
 from .nearest_names import unknown_name
@@ -33,7 +26,7 @@ def load_object(text: str, what: str) -> object:
     Raises `InputError` if the file or module does not load, or holds no such name.
     """
     where, _, name = text.rpartition(":")
-    module = _load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
+    module = load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
     if not hasattr(module, name):
         own = module.__name__
         public = [
@@ -47,32 +40,22 @@ def load_object(text: str, what: str) -> object:
     return getattr(module, name)
 
 
-def pickle_for_worker(
-    value: object, buffer_callback: Callable[[pickle.PickleBuffer], Any] | None = None
-) -> bytes:
-    """Return the pickle of a value, which finds users' code wherever it is unpickled.
+def load_file(path: Path, what: str) -> ModuleType:
+    """Return the module that a user's file makes; `what` it should hold is for messages.
 
-    A class or function of a user's file takes the file's source along, one of an installed module
-    is found by name, and any other, as of a script, a notebook or a function, travels by value.
-
-    Parameters
-    ----------
-    buffer_callback
-        Takes the arrays, which are then no part of the pickle (see `pickle.Pickler`).
+    Raises `InputError` if it does not load.
     """
-    buffer = io.BytesIO()
-    _Pickler(buffer, protocol=5, buffer_callback=buffer_callback).dump(value)
-    return buffer.getvalue()
-
-
-def _load_file(path: Path, what: str) -> ModuleType:
     if not path.is_file():
         raise InputError(f"expected a Python file with a {what}, got no file", path=path)
     source = path.read_bytes()
-    return _load_source(_module_name(path, source), str(path), source)
+    return load_source(_module_name(path, source), str(path), source)
 
 
-def _load_source(name: str, path: str, source: bytes) -> ModuleType:
+def load_source(name: str, path: str, source: bytes) -> ModuleType:
+    """Return the module of that name, made of the source of a file unless there is one already.
+
+    Raises `InputError` if it does not load.
+    """
     if name in sys.modules:
         return sys.modules[name]
     spec = importlib.util.spec_from_loader(name, _Source(path, source))
@@ -93,6 +76,12 @@ def _load_source(name: str, path: str, source: bytes) -> ModuleType:
     return module
 
 
+def source_of(module: str) -> tuple[str, bytes] | None:
+    """Return path and source of a module that `load_file` made, None for any other module."""
+    loader = getattr(sys.modules.get(module), "__loader__", None)
+    return (loader.path, loader.source) if isinstance(loader, _Source) else None
+
+
 class _Source(SourceLoader):
     """Loads a file as it was when it was read: it may be edited, or be on another machine."""
 
@@ -104,22 +93,6 @@ class _Source(SourceLoader):
 
     def get_data(self, path: str) -> bytes:
         return self.source
-
-
-class _Pickler(cloudpickle.Pickler):
-    """Takes the source of users' files along: no import would lead to them."""
-
-    def reducer_override(self, obj: Any) -> Any:
-        if isinstance(obj, (type, FunctionType)):
-            loader = getattr(sys.modules.get(obj.__module__), "__loader__", None)
-            if isinstance(loader, _Source):
-                name = obj.__qualname__
-                return _find_in_source, (obj.__module__, loader.path, loader.source, name)
-        return super().reducer_override(obj)
-
-
-def _find_in_source(module: str, path: str, source: bytes, name: str) -> object:
-    return attrgetter(name)(_load_source(module, path, source))
 
 
 def _module_name(path: Path, source: bytes) -> str:

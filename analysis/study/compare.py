@@ -15,6 +15,7 @@ from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
+from .engine.limits import DEFAULT_LIMITS, Limits
 from .runs import Progress, Runs, choose_draws, run_policies
 from .score import World
 
@@ -33,12 +34,18 @@ class CompareOptions:
         Posterior draws of the cost model to replay, if the profile has them.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
+    policy_limits : Limits
+        What a policy may take.
+    scheduler : str or None
+        Address of a Dask scheduler in place of processes here.
     """
 
     warmup: int = 30
     resamples: int = 200
     draws: int = 16
     workers: int = 0
+    policy_limits: Limits = DEFAULT_LIMITS
+    scheduler: str | None = None
 
     def __post_init__(self) -> None:
         for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
@@ -68,7 +75,17 @@ def compare(
     each = -(-options.resamples // max(len(draws), 1))
     resamples = (0 if draws else each, each)
     seeds = [replay_options.seed]
-    runs = run_policies(policies, world, seeds, draws, resamples, options.workers, progress)
+    runs = run_policies(
+        policies,
+        world,
+        seeds,
+        draws,
+        resamples,
+        options.workers,
+        progress,
+        limits=options.policy_limits,
+        scheduler=options.scheduler,
+    )
     pools = {
         label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
         for label, run in runs.items()

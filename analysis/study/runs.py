@@ -9,7 +9,8 @@ from ...base.content_hash import content_hash
 from ...models.machine.hardware import HardwareProfile
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import require_distinct
-from .engine.local_engine import LocalEngine
+from .engine.limits import Limits
+from .engine.open_engine import open_engine
 from .engine.task import Failure
 from .run import Run
 from .score import Scored, World
@@ -52,6 +53,9 @@ def run_policies(
     resamples: tuple[int, int],
     workers: int,
     progress: Progress | None = None,
+    *,
+    limits: Limits | None = None,
+    scheduler: str | None = None,
 ) -> dict[str, Runs]:
     """Replay every policy, and return what became of each, by label.
 
@@ -62,6 +66,8 @@ def run_policies(
     ----------
     resamples
         Of a replay under the mean, and of one under a draw.
+    workers, limits, scheduler
+        Of the engine (see `open_engine`).
     """
     world.require_scored_frames()
     require_distinct(policies)
@@ -86,7 +92,7 @@ def run_policies(
     ]
     scored: dict[int, Scored] = {}
     failed: dict[int, Failure] = {}
-    with LocalEngine(inputs, workers) as engine:
+    with open_engine(inputs, workers=workers, limits=limits, scheduler=scheduler) as engine:
         for done, outcome in enumerate(engine.run(runs), 1):
             if outcome.failure is None:
                 scored[outcome.index] = outcome.result

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.user_code import load_object, pickle_for_worker
+from lodbench.base.portable_pickle import portable_pickle
+from lodbench.base.user_code import load_object
 
 
 def mine_of(path: Path, value: int) -> Any:
@@ -39,7 +40,7 @@ def test_an_edited_file_is_loaded_anew(tmp_path: Path) -> None:
 def test_another_process_finds_the_file(tmp_path: Path) -> None:
     """An object pickled for a worker is unpickled where its file was never loaded."""
     mine = mine_of(tmp_path / "mine.py", 7)
-    data = pickle_for_worker((mine(), mine.Inner))
+    data = portable_pickle((mine(), mine.Inner))
     script = "import pickle, sys; a, b = pickle.load(sys.stdin.buffer); print(a.value, b.__name__)"
     run = subprocess.run([sys.executable, "-c", script], input=data, capture_output=True)
     assert run.stdout.split() == [b"7", b"Inner"], run.stderr
@@ -49,7 +50,7 @@ def test_the_source_travels_with_the_object(tmp_path: Path) -> None:
     """A pickle loads where the file never was; its class keeps its lines, and is made once."""
     path = tmp_path / "mine.py"
     mine = mine_of(path, 7)
-    data = pickle_for_worker([mine(), mine, mine.Inner])
+    data = portable_pickle([mine(), mine, mine.Inner])
     path.unlink()
     script = (
         "import inspect, pickle, sys; data = sys.stdin.buffer.read()\n"
@@ -64,7 +65,7 @@ def test_what_is_pickled_is_what_was_loaded(tmp_path: Path) -> None:
     """An edit after loading reaches neither the class nor its pickles."""
     mine = mine_of(tmp_path / "mine.py", 1)
     (tmp_path / "mine.py").write_text("1 / 0\n", encoding="utf-8")
-    data = pickle_for_worker(mine)
+    data = portable_pickle(mine)
     script = "import pickle, sys; print(pickle.load(sys.stdin.buffer).value)"
     run = subprocess.run([sys.executable, "-c", script], input=data, capture_output=True)
     assert run.stdout.split() == [b"1"], run.stderr

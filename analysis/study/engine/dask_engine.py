@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import Any, Self
 
 from ....base.errors import InputError
-from ....base.user_code import pickle_for_worker
+from ....base.portable_pickle import portable_pickle
 from ....policies.registry import REGISTERED
 from .batches import Batches
 from .dask_cluster import LOST, Cluster, QuietDask
@@ -198,7 +198,7 @@ class DaskEngine:
 
 def _close(task: Task, registered: dict[str, bytes]) -> ClosedTask:
     try:
-        data = pickle_for_worker(task)
+        data = portable_pickle(task)
     except Exception as error:  # whatever the state of a user's object raises
         raise InputError(
             f"policy {task.owner}: expected a policy that other processes can load, got "
@@ -212,7 +212,7 @@ def _registered() -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     for name, cls in REGISTERED.users.items():
         with suppress(Exception):  # who needs it is told that there is none
-            found[name] = pickle_for_worker(cls)
+            found[name] = portable_pickle(cls)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from .limits import Limits
 from .local_engine import LocalEngine
+from .processes import SERVER
 from .task import Engine, Inputs
 
 
@@ -30,3 +31,8 @@ def open_engine(
 
         return DaskEngine(inputs, scheduler, limits)
     return LocalEngine(inputs, workers, limits)
+
+
+def prepare_engine() -> None:
+    """Start what an engine here waits for, so that it loads while the caller loads its scene."""
+    SERVER.warm_up()

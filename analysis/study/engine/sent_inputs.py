@@ -51,7 +51,7 @@ class SentInputs:
             found = (same or self._idle)[:1]
             for item in found:
                 self._idle.remove(item)
-            engine = found[0][1] if found else LocalEngine(self.shared, 1, limits)
+            engine = found[0][1] if found else LocalEngine(self.shared, 1, limits).__enter__()
             self._busy.add(engine)
         try:
             yield engine
