@@ -85,6 +85,7 @@ def compare(
     resamples: int = 200,
     draws: int = 16,
     workers: int = 1,
+    scheduler: str | None = None,
     policy_timeout_s: float = 60.0,
     policy_memory_bytes: int | None = None,
     out: str | Path | None = None,
@@ -104,6 +105,8 @@ def compare(
         None for one refresh of the display.
     workers
         Processes; 0 for as many as there are processors.  No policy is replayed in this process.
+    scheduler
+        Address of a Dask scheduler, in place of processes here (docs/clusters.md).
     policy_timeout_s, policy_memory_bytes
         What a policy may take before it fails: see `Limits`.
     out
@@ -139,7 +142,12 @@ def compare(
         machine,
         options,
         CompareOptions(
-            warmup=warmup, resamples=resamples, draws=draws, workers=workers, policy_limits=limits
+            warmup=warmup,
+            resamples=resamples,
+            draws=draws,
+            workers=workers,
+            policy_limits=limits,
+            scheduler=scheduler,
         ),
         progress=progress,
     )
@@ -165,6 +173,7 @@ def check(
     resamples: int = 200,
     place: str = "shrink",
     workers: int = 1,
+    scheduler: str | None = None,
     policy_timeout_s: float = 60.0,
     policy_memory_bytes: int | None = None,
     strict: bool = False,
@@ -176,7 +185,7 @@ def check(
     limits
         TOML file; None for the 95th percentile of the work time within the budget and, if there is
         a baseline, the 99th of the frame time at most 2.5 % up.
-    budget_ms, workers, policy_timeout_s, policy_memory_bytes
+    budget_ms, workers, scheduler, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -206,6 +215,7 @@ def check(
         draws=draws,
         workers=workers,
         policy_limits=Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes),
+        scheduler=scheduler,
     )
     conditions, measured = measure_plan(plan, options)
     return judge_measured(chosen, measured, conditions, Path(baseline), strict=strict)

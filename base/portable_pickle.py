@@ -20,7 +20,8 @@ def portable_pickle(
     """Return the pickle of a value, which finds users' code wherever it is unpickled.
 
     A class or function of a user's file takes the file's source along, one of a module that can be
-    imported is found by its name, and any other, as of a script, a notebook, a test or a function, travels by value.
+    imported is found by its name, and any other, as of a script, a notebook, a test or a function,
+    travels by value.
 
     Parameters
     ----------

@@ -66,6 +66,7 @@ def check(
     resamples: options.Resamples = 200,
     place: options.Place = "shrink",
     workers: options.Workers = 0,
+    scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
 ) -> None:
@@ -97,8 +98,9 @@ def check(
             draws=draws,
             workers=workers,
             policy_limits=make_limits(policy_timeout, policy_memory),
+            scheduler=scheduler,
         )
-        prepare_engine()
+        prepare_engine(scheduler)
         conditions, measured = measure_plan(plan, sampling)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)

@@ -57,6 +57,7 @@ def compare(
     wide: Wide = False,
     warmup: options.Warmup = 30,
     workers: options.Workers = 0,
+    scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
     draws: options.Draws = 16,
@@ -84,7 +85,7 @@ def compare(
     limits = make_limits(policy_timeout, policy_memory)
     if out is not None:
         check_target(out)
-    prepare_engine()
+    prepare_engine(scheduler)
     profile = _adjusted(load_hardware(hardware), display, refresh_hz, frames_in_flight)
     world = open_named_scene(scene).scene
     policies = [parse_policy(text) for text in policy or default_policies()]
@@ -99,7 +100,12 @@ def compare(
         faults=_parse_faults(faults),
     )
     scoring = study.CompareOptions(
-        warmup=warmup, resamples=resamples, draws=draws, workers=workers, policy_limits=limits
+        warmup=warmup,
+        resamples=resamples,
+        draws=draws,
+        workers=workers,
+        policy_limits=limits,
+        scheduler=scheduler,
     )
     with progress_bar("replay") as progress:
         comparison, logs = study.compare(

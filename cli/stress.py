@@ -48,6 +48,7 @@ def stress(
     evaluations: Evaluations = 100,
     budget_ms: options.BudgetMs = None,
     seed: PathSeed = 0,
+    scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
     as_json: options.AsJson = False,
@@ -66,7 +67,7 @@ def stress(
 
     format_for_writing(out)
     limits = make_limits(policy_timeout, policy_memory)
-    prepare_engine()
+    prepare_engine(scheduler)
     aim = kinds.check_badness(badness)
     spec, world, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
     replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
@@ -74,7 +75,9 @@ def stress(
         speed_m_s=speed_m_s, turn_deg_s=turn_deg_s, duration_s=duration_s, legs=legs
     )
     with (
-        kinds.open_gauge(spec, world, profile, replay, aim, limits=limits) as gauge,
+        kinds.open_gauge(
+            spec, world, profile, replay, aim, limits=limits, scheduler=scheduler
+        ) as gauge,
         progress_bar("search") as progress,
     ):
         walk = gauge(load_trace("walk", world))

@@ -67,6 +67,7 @@ def validate(
     draws: options.Draws = 16,
     resamples: options.Resamples = 200,
     workers: options.Workers = 0,
+    scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
     backend: options.Backend = "egl",
@@ -103,7 +104,12 @@ def validate(
     require_priced(profile)
     require_recordable(labels, opened.scene)
     scoring = CompareOptions(
-        warmup=warmup, resamples=resamples, draws=draws, workers=workers, policy_limits=limits
+        warmup=warmup,
+        resamples=resamples,
+        draws=draws,
+        workers=workers,
+        policy_limits=limits,
+        scheduler=scheduler,
     )
     drawing = RecordOptions(
         backend=backend, instancing=instancing, repeats=repeats, threads=threads

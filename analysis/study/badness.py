@@ -98,6 +98,7 @@ def open_gauge(
     *,
     warmup: int = 30,
     limits: Limits | None = None,
+    scheduler: str | None = None,
 ) -> Generator[Gauge]:
     """Yield what measures a policy, in one process for all paths.
 
@@ -106,7 +107,7 @@ def open_gauge(
     """
     inputs = {content_hash(value): value for value in (scene, hardware)}
     names = tuple(inputs)
-    with open_engine(inputs, workers=1, limits=limits) as engine:
+    with open_engine(inputs, workers=1, limits=limits, scheduler=scheduler) as engine:
 
         def measure(trace: CameraTrace) -> float:
             task = PathRun(spec, *names, trace, options, badness, warmup)

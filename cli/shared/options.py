@@ -35,6 +35,14 @@ Draws = Annotated[
     int, Option(help="Posterior draws of the cost model to replay, if there are any.")
 ]
 Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results are the same.")]
+Scheduler = Annotated[
+    str | None,
+    Option(
+        metavar="ADDR",
+        help="Replay on a Dask cluster in place of processes here: tcp://HOST:PORT, tls://..., a "
+        "scheduler file, or config for the address that Dask is configured with.",
+    ),
+]
 PolicyTimeout = Annotated[
     float,
     Option(

@@ -158,6 +158,12 @@ class Cluster:
         )
 
 
+def require_cluster(scheduler: str) -> None:
+    """Raise `InputError` unless there is the package and an address; nobody is asked yet."""
+    _import_distributed()
+    _address_of(scheduler)
+
+
 class QuietDask:
     """Keeps Dask's log from the terminal: what goes wrong is said in one line by us."""
 

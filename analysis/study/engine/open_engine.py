@@ -33,6 +33,14 @@ def open_engine(
     return LocalEngine(inputs, workers, limits)
 
 
-def prepare_engine() -> None:
-    """Start what an engine here waits for, so that it loads while the caller loads its scene."""
-    SERVER.warm_up()
+def prepare_engine(scheduler: str | None = None) -> None:
+    """Start what an engine waits for, so that it loads while the caller loads its scene.
+
+    Raises `InputError` if a scheduler is given that cannot be one.
+    """
+    if scheduler is None:
+        SERVER.warm_up()
+        return
+    from .dask_cluster import require_cluster
+
+    require_cluster(scheduler)

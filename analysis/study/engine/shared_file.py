@@ -52,8 +52,7 @@ class SharedInputs:
         self.sizes = sizes
         self.fd = _nameless_file("lodbench-inputs")
         with open(os.dup(self.fd), "wb") as file:  # noqa: PTH123 - a descriptor, no path
-            for piece in pieces:
-                file.write(piece)
+            file.writelines(pieces)
         if hasattr(os, "memfd_create"):
             import fcntl
 

@@ -1,0 +1,107 @@
+"""Commands on a Dask cluster: the bytes of one machine, and one line where there is no cluster."""
+
+import socket
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import pytest
+from distributed import LocalCluster
+
+from lodbench.cli.main import run
+
+Command = Callable[..., tuple[int, str, str]]
+
+HOSTILE = """
+import os
+from dataclasses import dataclass
+
+from lodbench.policies.thresholds.static_screen import StaticScreen
+
+
+@dataclass
+class Mine(StaticScreen):
+    def select(self, view):
+        if view.frame == 7:
+            os._exit(0)
+        return super().select(view)
+"""
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str]) -> Command:
+    """Return what runs a command: its exit code, stdout and stderr."""
+
+    def run_line(*arguments: str) -> tuple[int, str, str]:
+        code = run(arguments)
+        return code, *capfd.readouterr()
+
+    return run_line
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Generator[str]:
+    """Yield the address of a cluster of two workers."""
+    with LocalCluster(
+        processes=True,
+        n_workers=2,
+        threads_per_worker=1,
+        dashboard_address=":0",
+        local_directory=str(tmp_path_factory.mktemp("dask")),
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+@pytest.mark.slow
+def test_no_scheduler_is_one_line(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every command that takes --scheduler ends with 2 and says what to start."""
+    monkeypatch.setattr("lodbench.analysis.study.engine.dask_cluster.CONNECT_S", 0.5)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"
+    for line in (
+        ("compare", "--policy", "full"),
+        ("check", "--policy", "full"),
+        ("stress", "full", "--out", "worst.csv"),
+    ):
+        code, out, err = command(*line, "--scheduler", address)
+        assert (code, out) == (2, "")
+        assert err.startswith(f"error: --scheduler {address}: expected a Dask scheduler that ")
+        assert err.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_a_comparison_is_the_same_bytes_on_a_cluster(
+    command: Command, scheduler: str, tmp_path: Path
+) -> None:
+    """Files and JSON of `compare`, among them frame logs, draws, and a policy that does not fit."""
+    line = ["compare", "--frames", "60", "--draws", "3", "--resamples", "30", "--json"]
+    for policy in ("static-screen", "feedback:gain=0.2", "hlod-hysteresis", "gobbetti"):
+        line += ["--policy", policy]
+    here, there = tmp_path / "here", tmp_path / "there"
+    alone = command(*line, "--workers", "1", "--out", str(here))
+    spread = command(*line, "--scheduler", scheduler, "--out", str(there))
+    assert alone == spread
+    assert alone[0] == 0
+    files = sorted(path.relative_to(here) for path in here.rglob("*") if path.is_file())
+    assert files == sorted(path.relative_to(there) for path in there.rglob("*") if path.is_file())
+    for file in files:
+        assert (here / file).read_bytes() == (there / file).read_bytes(), file
+
+
+@pytest.mark.slow
+def test_checks_and_searches_print_the_same_on_a_cluster(
+    command: Command, scheduler: str, tmp_path: Path
+) -> None:
+    """`check` of a policy that ends its process, beside a good one, and `stress`."""
+    mine = tmp_path / "mine.py"
+    mine.write_text(HOSTILE, encoding="utf-8")
+    policies = ["--policy", f"{mine}:Mine", "--policy", "static-screen"]
+    check = ["check", *policies, "--frames", "60", "--resamples", "30", "--json"]
+    check += ["--seeds", "2", "--draws", "2"]
+    stress = ["stress", "full", "--duration-s", "1", "--evaluations", "8", "--json"]
+    stress += ["--out", str(tmp_path / "worst.csv")]
+    for line, code in ((check, 1), (stress, 0)):
+        alone = command(*line)
+        assert alone == command(*line, "--scheduler", scheduler)
+        assert alone[0] == code
+    assert "frame 7: process ended with status 0" in command(*check, "--scheduler", scheduler)[1]
