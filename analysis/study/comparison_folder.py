@@ -1,12 +1,14 @@
 """The folder that a comparison is written to: all of it, or nothing."""
 
 import re
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ...base.errors import InputError
 from ...base.strict_json import encode_record
 from ...base.whole_file import write_whole
-from ...base.whole_folder import require_replaceable, whole_folder
+from ...base.whole_folder import claimed_folder, require_replaceable, whole_folder
 from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
@@ -19,6 +21,19 @@ _OURS = r"report\.html|comparison\.json|frames(/.*\.parquet)?"
 def check_target(folder: Path) -> None:
     """Raise InputError unless a folder can be made, or holds nothing but an earlier comparison."""
     require_replaceable(folder, _OURS, "compare", make_parents=True)
+
+
+@contextmanager
+def claimed_target(folder: Path | None) -> Generator[None]:
+    """Hold a folder, if one is given, from before the replays until `write_results` has written.
+
+    Raises `InputError` as `check_target`, or if another process writes to the folder.
+    """
+    if folder is None:
+        yield
+        return
+    with claimed_folder(folder, _OURS, "compare", make_parents=True):
+        yield
 
 
 def frame_log_names(labels: list[str]) -> dict[str, str]:
