@@ -110,10 +110,9 @@ def compare(
     """
     from .study.compare import CompareOptions
     from .study.compare import compare as compare_specs
-    from .study.comparison_folder import claimed_target, write_results
+    from .study.comparison_target import claimed_target
 
-    folder = None if out is None else Path(out)
-    with claimed_target(folder):
+    with claimed_target(None if out is None else Path(out)) as target:
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(
             budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,
@@ -133,9 +132,10 @@ def compare(
             options,
             CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers),
             progress=progress,
+            target=target,
         )
-        if folder is not None:
-            write_results(folder, comparison, logs)
+        if target is not None:
+            target.write(comparison, logs)
     return comparison
 
 

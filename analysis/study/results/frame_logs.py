@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+from ....base.content_hash import hash_bytes
 from ....base.scratch import sweep
 from ....sim.frame_log import FrameLog
 from ....sim.frame_log_file import read_frame_log, write_frame_log
-from .parts import hash_bytes
 
 FRAMES = "frames"
 

@@ -5,7 +5,6 @@ count.  Small files are merged as they become many, those of like size with each
 row is written again at most three times and 100,000 runs make some seventy files.
 """
 
-import hashlib
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
-from ....base.content_hash import SIZE_BYTES
+from ....base.content_hash import hash_bytes
 from ....base.errors import InputError
 from ....base.whole_file import write_whole
 from .manifest import PARTS, Part
@@ -61,11 +60,6 @@ def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) ->
     return parquet.read_table(
         reader, columns=None if columns is None else list(columns), use_threads=False
     )
-
-
-def hash_bytes(content: bytes) -> str:
-    """Return the hash of a file's content."""
-    return hashlib.blake2b(content, digest_size=SIZE_BYTES).hexdigest()
 
 
 def number_of(part: Part) -> int:

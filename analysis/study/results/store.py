@@ -72,6 +72,10 @@ class ResultStore:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Put all that was added on the disk; raises `InputError` if it cannot be."""
         self._commit.close()
 
     @property
