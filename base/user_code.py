@@ -11,10 +11,13 @@ import io
 import pickle
 import re
 import sys
+from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+
+import cloudpickle
 
 from .errors import InputError
 from .nearest_names import unknown_name
@@ -42,10 +45,21 @@ def load_object(text: str, what: str) -> object:
     return getattr(module, name)
 
 
-def pickle_for_worker(value: object) -> bytes:
-    """Return the pickle of a value, which loads users' files wherever it is unpickled."""
+def pickle_for_worker(
+    value: object, buffer_callback: Callable[[pickle.PickleBuffer], Any] | None = None
+) -> bytes:
+    """Return the pickle of a value, which finds users' code wherever it is unpickled.
+
+    A class or function of a user's file is found by its path, one of an installed module by name,
+    and any other, as of a script, a notebook or a function, travels by value.
+
+    Parameters
+    ----------
+    buffer_callback
+        Takes the arrays, which are then no part of the pickle (see `pickle.Pickler`).
+    """
     buffer = io.BytesIO()
-    _Pickler(buffer, protocol=5).dump(value)
+    _Pickler(buffer, protocol=5, buffer_callback=buffer_callback).dump(value)
     return buffer.getvalue()
 
 
@@ -73,14 +87,14 @@ def _load_file(path: Path, what: str) -> ModuleType:
     return module
 
 
-class _Pickler(pickle.Pickler):
+class _Pickler(cloudpickle.Pickler):
     """Refers to a class or function of a user's file by its path: no import would lead there."""
 
     def reducer_override(self, obj: Any) -> Any:
         if not isinstance(obj, (type, FunctionType)):
-            return NotImplemented
+            return super().reducer_override(obj)
         if not str(obj.__module__).startswith(_PREFIX):
-            return NotImplemented
+            return super().reducer_override(obj)
         file = sys.modules[obj.__module__].__file__
         assert file is not None, "a user's module is of a file"
         return _find_in_file, (str(Path(file).resolve()), obj.__qualname__)
