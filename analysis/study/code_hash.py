@@ -52,7 +52,7 @@ def policy_hash(spec: PolicySpec) -> str:
     typed into a prompt, or of an object that holds a function.
     """
     cls = spec.cls
-    made = None if spec.made is None else vars(spec.made)
+    made = None if spec.made is None else spec.made.__getstate__()
     named = (cls.__module__, cls.__qualname__, spec.label)
     return content_hash(*named, _source(cls), spec.params, made)
 

@@ -4,6 +4,7 @@ The same study has the same results on every machine, and another ``run-info.jso
 """
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -42,6 +43,8 @@ class RunInfo:
 
     Attributes
     ----------
+    study : str
+        Its hash.
     starts : int
         How often it was started.
     wall_s : float
@@ -50,6 +53,7 @@ class RunInfo:
         By label.
     """
 
+    study: str
     starts: int = 0
     wall_s: float = 0.0
     policies: dict[str, PolicyInfo] = field(default_factory=dict[str, PolicyInfo])
@@ -59,8 +63,8 @@ class RunInfo:
 class Stopwatch:
     """Adds what a start of a study takes to what earlier ones took."""
 
-    def __init__(self, folder: Path) -> None:
-        self._info = _read(folder)
+    def __init__(self, folder: Path, study: str) -> None:
+        self._info = _read(folder, study)
         self._info.starts += 1
         self._earlier_s, self._began_s = self._info.wall_s, time.monotonic()
 
@@ -79,8 +83,9 @@ class Stopwatch:
         write_whole(folder / RUN_INFO, encode_record(self._info))
 
 
-def _read(folder: Path) -> RunInfo:
-    try:
-        return read_json(folder / RUN_INFO, RunInfo, _SCHEMA, "")
-    except InputError:  # there is none yet, or it is damaged: nothing depends on it
-        return RunInfo()
+def _read(folder: Path, study: str) -> RunInfo:
+    with suppress(InputError):  # there is none yet, or it is damaged: nothing depends on it
+        info = read_json(folder / RUN_INFO, RunInfo, _SCHEMA, "")
+        if info.study == study:
+            return info
+    return RunInfo(study)

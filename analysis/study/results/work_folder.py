@@ -55,7 +55,7 @@ class WorkFolder:
         except (InputError, OSError):
             self._store = None
         self._kept = 0
-        self.watch = Stopwatch(self._path)
+        self.watch = Stopwatch(self._path, runs.digest)
 
     @property
     def durable(self) -> int:
