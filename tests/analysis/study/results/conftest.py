@@ -1,6 +1,7 @@
 """Runs that are never replayed, and results made up for them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,9 @@ def build_runs(
     runs = [
         Run(
             parse_policy(label),
-            *NAMES,
+            "a1",
+            "b2",
+            "c3",
             ReplayOptions(budget_ms=8.0, seed=seed),
             warmup=2,
             keeps_log=keeps_log,
@@ -43,8 +46,7 @@ def build_scored(seed: int, **more: Any) -> Scored:
     values = {name: None if rng.random() < 0.2 else float(rng.normal()) for name in IDS}
     resampled = {name: rng.normal(size=3) for name in IDS[:4]}
     steps = (Step(seed, 1.5, 2.0, 3.0, 0.1, bool(seed % 2), 1.25),) * (seed % 3)
-    made: dict[str, Any] = {"log": None, "values": values, "resampled": resampled, "steps": steps}
-    return Scored(**(made | {"frames": 30 + seed} | more))
+    return replace(Scored(None, values, resampled, steps, 30 + seed), **more)
 
 
 def build_outcome(at: int, **more: Any) -> Outcome:
