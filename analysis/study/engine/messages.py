@@ -28,15 +28,16 @@ class Reply(msgspec.Struct, array_like=True):
     ----------
     task : int
     kind : "result", "failed", "not-applicable" or "input", as a task can end
-    value : the encoded result, or None
-    reason, frame : of a failure
+    value : the encoded result; None by default
+    reason : of a failure
+    frame : the last that was begun, or the one that failed
     path, line : of an `InputError`
     took_s, peak_bytes : see `Outcome`
     """
 
     task: int
     kind: str
-    value: msgspec.Raw
+    value: msgspec.Raw = msgspec.Raw(b"\xc0")
     reason: str = ""
     frame: int | None = None
     path: str | None = None

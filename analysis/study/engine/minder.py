@@ -11,18 +11,20 @@ import signal
 import socket
 import struct
 import sys
+from pathlib import Path
 from typing import Any, NoReturn
 
 from .worker import work
 
-STARTED = struct.Struct("<q")
-"""First message to the engine: the worker's process id, or minus an errno."""
+STARTED = struct.Struct("<qq")
+"""First message to the engine: process ids of the minder and of the worker, 0 if there is none."""
 ENDED = struct.Struct("<q")
 """Second and last: exit status as `os.waitstatus_to_exitcode` has it; then what was printed."""
 
 _PRINTED_BYTES = 4096
 _LOOK_MS = 1000
 _PDEATHSIG, _SUBREAPER = 1, 36
+_CHILDREN = Path("/proc/thread-self/children")
 
 
 def mind(control: socket.socket, channel: socket.socket, inputs: int, heart: int) -> NoReturn:
@@ -45,8 +47,8 @@ def mind(control: socket.socket, channel: socket.socket, inputs: int, heart: int
     minder = os.getpid()
     try:
         worker = os.fork()
-    except OSError as error:
-        control.sendall(STARTED.pack(-(error.errno or 1)))
+    except OSError:  # no process to be had
+        control.sendall(STARTED.pack(minder, 0))
         os._exit(1)
     if worker == 0:
         try:
@@ -60,7 +62,7 @@ def mind(control: socket.socket, channel: socket.socket, inputs: int, heart: int
     for fd in (channel.detach(), inputs, heart, prints):
         os.close(fd)
     os.set_blocking(printed, False)
-    control.sendall(STARTED.pack(worker))
+    control.sendall(STARTED.pack(minder, worker))
     status, text = _watch(worker, control, wake, printed)
     try:
         control.sendall(ENDED.pack(status) + text)
@@ -80,7 +82,7 @@ def _settle(minder: int, prints: int) -> None:
     os.dup2(prints, 1)
     os.dup2(prints, 2)
     os.close(prints)
-    out = [open(fd, "w", buffering=1, closefd=False, errors="replace") for fd in (1, 2)]  # noqa: PTH123, SIM115 - descriptors that stay open
+    out = [open(fd, "w", buffering=1, closefd=False, errors="replace") for fd in (1, 2)]  # noqa: SIM115 - descriptors that stay open
     sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__ = out
 
 
@@ -131,8 +133,7 @@ def _end_orphans() -> None:
     """Kill what the worker's children and theirs have left, also beyond its process group."""
     for _ in range(1000):
         try:
-            with open("/proc/thread-self/children", encoding="ascii") as file:
-                children = [int(pid) for pid in file.read().split()]
+            children = [int(pid) for pid in _CHILDREN.read_text(encoding="ascii").split()]
         except OSError:
             return
         for pid in children:

@@ -69,6 +69,11 @@ class ForkServer:
             return self._start()
         return self._requests
 
+    def restart(self) -> None:
+        """End a server that does not answer; the next worker starts another."""
+        with self._lock:
+            self._end()
+
     def _end(self) -> None:
         """End the server, with which nothing else ends."""
         if self._process is not None and self._owner == os.getpid():
@@ -118,15 +123,21 @@ class Worker:
         Tasks sent and not answered; the first is being carried out.
     since_ns : int
         When the first of the queue could begin, on the monotonic clock.
-    pid : int
-        0 until it is known.
+    started_s : float
+        When it was asked for, on the same.
+    deaf : bool
+        Whether nothing more is expected of it.
+    pid, minder : int
+        Process ids of the worker and of its minder; 0 until they are known.
     """
 
     def __init__(self, owner: str, inputs_fd: int, setup: bytes, most_bytes: int) -> None:
         self.owner = owner
         self.queue: deque[int] = deque()
         self.since_ns = time.monotonic_ns()
-        self.pid = 0
+        self.pid, self.minder = 0, 0
+        self.started_s = time.monotonic()
+        self.deaf = False
         self.heart = Heart()
         self.printed = b""
         self._inbox = Inbox(most_bytes)
@@ -169,10 +180,7 @@ class Worker:
 
     def receive(self) -> list[Message]:
         """Return whole messages; raises EOFError or `GarbledError` as `Inbox.read`."""
-        found: list[Message] = []
-        for message in self._inbox.read(self.channel):
-            found.append(message)
-        return found
+        return list(self._inbox.read(self.channel))
 
     def ended(self) -> bool:
         """Whether the minder has said its last word."""
@@ -180,13 +188,17 @@ class Worker:
             while chunk := self.control.recv(65536):
                 self._about += chunk
         except BlockingIOError:
-            if not self.pid and len(self._about) >= STARTED.size:
-                (self.pid,) = STARTED.unpack_from(self._about)
+            self._read_pids()
             return False
         except OSError:
             pass
+        self._read_pids()
         self.printed = self._about[STARTED.size + ENDED.size :]
         return True
+
+    def _read_pids(self) -> None:
+        if not self.minder and len(self._about) >= STARTED.size:
+            self.minder, self.pid = STARTED.unpack_from(self._about)
 
     @property
     def status(self) -> int | None:
@@ -195,21 +207,21 @@ class Worker:
             return None
         return ENDED.unpack_from(self._about, STARTED.size)[0]
 
-    @property
-    def began(self) -> bool:
-        """Whether there ever was a process."""
-        return len(self._about) >= STARTED.size and STARTED.unpack_from(self._about)[0] > 0
-
     def kill(self) -> None:
         """Have the minder kill it."""
         with suppress(OSError):
             self.control.send(b"k")
 
+    def give_up(self) -> None:
+        """Take it for ended: it was never started."""
+        self.control.shutdown(socket.SHUT_RDWR)
+
     def force(self) -> None:
-        """Kill it without its minder, which does not answer."""
-        if self.pid > 0:
-            with suppress(OSError):
-                os.killpg(self.pid, signal.SIGKILL)
+        """Kill it and its minder, which does not answer."""
+        for pid, kill in ((self.pid, os.killpg), (self.minder, os.kill)):
+            if pid > 0:
+                with suppress(OSError):
+                    kill(pid, signal.SIGKILL)
 
     def close(self) -> None:
         """Let go of it; what still lives is killed by its minder."""

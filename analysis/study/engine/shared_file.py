@@ -9,15 +9,17 @@ import os
 import pickle
 import tempfile
 import time
-from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
-from ....base.user_code import pickle_for_worker
+from ....base.portable_pickle import portable_pickle
 from .task import Inputs
 
 _ALIGNMENT = 64
 """Of arrays in the file, in bytes: as numpy allocates them."""
 _BEAT_BYTES = 4096
+_F_SEAL_FUTURE_WRITE = 0x10  # of Linux 5.1 and later, which fcntl does not name
 
 
 class SharedInputs:
@@ -33,7 +35,7 @@ class SharedInputs:
 
     def __init__(self, inputs: Inputs) -> None:
         buffers: list[pickle.PickleBuffer] = []
-        data = pickle_for_worker(dict(inputs), buffers.append)
+        data = portable_pickle(dict(inputs), buffers.append)
         parts = [memoryview(data), *(buffer.raw() for buffer in buffers)]
         self.sizes = [len(part) for part in parts]
         self.fd = _nameless_file("lodbench-inputs")
@@ -82,28 +84,27 @@ class Heart:
             if hasattr(os, "memfd_create"):
                 import fcntl
 
-                seals = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
-                fcntl.fcntl(fd, fcntl.F_ADD_SEALS, seals)
+                fcntl.fcntl(fd, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW)
         self.fd = fd
         # Whole cells of 8 bytes, which are written and read at once on every machine of today.
         self._cells = memoryview(mmap.mmap(fd, _BEAT_BYTES)).cast("q")
 
-    def begin(self, task: int) -> Callable[[int], None]:
-        """Say that a task begins; return what says that a frame does.
+    def seal(self) -> None:
+        """Keep what is written to any descriptor out of the file, where the system can."""
+        if not hasattr(os, "memfd_create"):
+            return
+        import fcntl
 
-        A process that the policy forked ends as soon as it comes back to the replay: it would go
-        on with it beside the worker.
-        """
-        cells, now_ns, pid = self._cells, time.monotonic_ns, os.getpid
-        own = pid()
+        with suppress(OSError):
+            fcntl.fcntl(self.fd, fcntl.F_ADD_SEALS, _F_SEAL_FUTURE_WRITE | fcntl.F_SEAL_SEAL)
 
-        def beat(frame: int) -> None:
-            if pid() != own:
-                os._exit(0)
-            cells[0], cells[1] = frame, now_ns()
+    def begin(self, task: int) -> None:
+        """Say that a task begins."""
+        self._cells[0], self._cells[1], self._cells[2] = -1, time.monotonic_ns(), task
 
-        cells[0], cells[1], cells[2] = -1, now_ns(), task
-        return beat
+    def beat(self, frame: int) -> None:
+        """Say that a frame of it begins."""
+        self._cells[0], self._cells[1] = frame, time.monotonic_ns()
 
     def read(self, task: int) -> tuple[int | None, int]:
         """Return the frame that a task is in and when it began it, in ns of the monotonic clock.
@@ -111,7 +112,7 @@ class Heart:
         (None, 0) if it has not begun the task.
         """
         frame, time_ns, begun = self._cells[0], self._cells[1], self._cells[2]
-        return (None if frame < 0 else frame, time_ns) if begun == task else (None, 0)
+        return (frame if 0 <= frame < 2**48 else None, time_ns) if begun == task else (None, 0)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -124,5 +125,5 @@ def _nameless_file(label: str) -> int:
     if hasattr(os, "memfd_create"):
         return os.memfd_create(label, os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     fd, path = tempfile.mkstemp(prefix=label)
-    os.unlink(path)
+    Path(path).unlink()
     return fd

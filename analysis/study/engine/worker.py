@@ -4,18 +4,18 @@ import importlib
 import os
 import pickle
 import resource
-import signal
 import socket
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NoReturn
 
 from ....base.errors import InputError, PolicyError
-from ....policies.registry import REGISTERED, register_policy
+from ....policies.registry import register_policy
 from .messages import Reply, encode_reply, receive_task
 from .shared_file import Heart, load_inputs
-from .task import Beat, Inputs, NotApplicableError, Task
+from .task import Inputs, NotApplicableError, Task
 
 THREADS = {
     f"{library}_NUM_THREADS": "1"
@@ -23,7 +23,12 @@ THREADS = {
 }
 """Workers are as many as processors, and sums of one thread are the same on every machine."""
 
+CLOSED = 113
+"""Exit status of a worker that finds its channel closed."""
+
+_SELF = Path("/proc/self")
 _RECURSION = sys.getrecursionlimit()
+_RSS_UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +55,7 @@ class Setup:
 def here(sizes: list[int], registered: dict[str, bytes], memory_bytes: int) -> Setup:
     """Return the surroundings of this process."""
     try:
-        folder = os.getcwd()
+        folder = str(Path.cwd())
     except OSError:  # it has been removed
         folder = "/"
     return Setup(
@@ -64,23 +69,83 @@ def here(sizes: list[int], registered: dict[str, bytes], memory_bytes: int) -> S
     )
 
 
+class _Session:
+    """What a worker has from its engine, and is to find as it was after each frame."""
+
+    def __init__(self, channel: socket.socket, heart: Heart, inputs: Inputs) -> None:
+        self._channel, self._heart, self._inputs = channel, heart, inputs
+        self._pid, self._fd = os.getpid(), channel.fileno()
+        self._identity = os.fstat(self._fd).st_ino
+        self._frame = -1
+
+    def serve(self) -> NoReturn:
+        """Carry out tasks until the channel is closed."""
+        while True:
+            message = receive_task(self._channel)
+            if message is None:
+                os._exit(0)
+            index, data = message
+            self._frame = -1
+            self._heart.begin(index)
+            parts = self._carry_out(index, data)
+            self._require_own()
+            for part in parts:
+                self._channel.sendall(part)
+
+    def beat(self, frame: int) -> None:
+        """Say that a frame begins (see `Beat`)."""
+        self._require_own()
+        self._frame = frame
+        self._heart.beat(frame)
+
+    def _require_own(self) -> None:
+        """End a process that the policy forked and that comes back, or whose channel is closed.
+
+        A descriptor of the channel's number may be that of a file of the policy by now.
+        """
+        if os.getpid() != self._pid:
+            os._exit(0)
+        try:
+            if os.fstat(self._fd).st_ino == self._identity:
+                return
+        except OSError:
+            pass
+        os._exit(CLOSED)
+
+    def _carry_out(self, index: int, data: memoryview) -> list[Any]:
+        """Carry out one task and return the message of how it ended."""
+        start = time.monotonic()
+
+        def reply(kind: str, **more: Any) -> Reply:
+            usage = resource.getrusage(resource.RUSAGE_SELF)
+            about = {"took_s": time.monotonic() - start, "peak_bytes": usage.ru_maxrss * _RSS_UNIT}
+            return Reply(index, kind, **({"frame": frame_of(self._frame)} | more | about))
+
+        try:
+            try:
+                task: Task = pickle.loads(data)  # noqa: S301 - from the parent process
+            except InputError:  # a user's file that has gone or changed
+                raise
+            except BaseException as error:  # noqa: BLE001 - whatever the state of a user's object raises
+                return encode_reply(reply("failed", reason=f"its class: {describe(error)}"))
+            value = task(self._inputs, self.beat)
+            return encode_reply(reply("result"), value)
+        except BaseException as error:  # noqa: BLE001 - it is the policy's own failure
+            sys.setrecursionlimit(_RECURSION)  # a policy may have left next to nothing
+            return encode_reply(reply(**_end_of(error)))
+
+
+def frame_of(number: int) -> int | None:
+    """Return a frame, None before the first."""
+    return None if number < 0 else number
+
+
 def work(channel: socket.socket, inputs_fd: int, heart_fd: int) -> NoReturn:
     """Carry out what comes through the channel until it is closed; never returns."""
-    identity = os.fstat(channel.fileno()).st_ino
     inputs = _prepare(channel, inputs_fd)
     heart = Heart(heart_fd)
-    own = os.getpid()
-    while True:
-        message = receive_task(channel)
-        if message is None:
-            os._exit(0)
-        index, data = message
-        parts = _carry_out(index, data, inputs, heart.begin(index))
-        # A child that the policy forked may come back here, and descriptors may be another's now.
-        if os.getpid() != own or os.fstat(channel.fileno()).st_ino != identity:
-            os._exit(0)
-        for part in parts:
-            channel.sendall(part)
+    heart.seal()
+    _Session(channel, heart, inputs).serve()
 
 
 def _prepare(channel: socket.socket, inputs_fd: int) -> dict[str, Any]:
@@ -112,50 +177,18 @@ def _limit(memory_bytes: int) -> None:
     """Let allocations beyond so many bytes fail, and leave no picture of a process that crashes."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     try:
-        with open("/proc/self/status", encoding="ascii") as file:
-            held = next(int(line.split()[1]) for line in file if line.startswith("VmData"))
-        with open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
-            file.write("1000")  # where memory runs out, it is a policy that ends
+        lines = (_SELF / "status").read_text(encoding="ascii").splitlines()
+        held = next(int(line.split()[1]) for line in lines if line.startswith("VmData"))
+        # Where memory runs out, it is a policy that ends.
+        (_SELF / "oom_score_adj").write_text("1000", encoding="ascii")
     except (OSError, StopIteration):
         return  # another system, which does not enforce the limit either
     most = 1024 * held + memory_bytes
     resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
-def _carry_out(index: int, data: memoryview, inputs: Inputs, beat: Beat) -> list[Any]:
-    """Carry out one task and return the message of how it ended."""
-    start = time.monotonic()
-    began = [-1]
-
-    def count(frame: int) -> None:
-        began[0] = frame
-        beat(frame)
-
-    def reply(kind: str, **more: Any) -> Reply:
-        return Reply(
-            index,
-            kind,
-            _NOTHING,
-            took_s=time.monotonic() - start,
-            peak_bytes=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _RSS_UNIT,
-            **more,
-        )
-
-    try:
-        try:
-            task: Task = pickle.loads(data)  # noqa: S301 - from the parent process
-            value = task(inputs, count)
-            return encode_reply(reply("result"), value)
-        except BaseException as error:  # whatever a policy raises, it is its own failure
-            sys.setrecursionlimit(_RECURSION)  # a policy may have left next to nothing
-            frame = None if began[0] < 0 else began[0]
-            return encode_reply(reply(**_end_of(error, frame)))
-    finally:
-        # What it had pending must not hit the message or the next task's beginning.
-        signal.alarm(0)
-
-
-def _end_of(error: BaseException, frame: int | None) -> dict[str, Any]:
+def _end_of(error: BaseException) -> dict[str, Any]:
+    """Return what a reply says of how a task ended."""
     if isinstance(error, PolicyError):
         return {"kind": "failed", "reason": str(error.reason), "frame": error.frame}
     if isinstance(error, NotApplicableError):
@@ -163,19 +196,15 @@ def _end_of(error: BaseException, frame: int | None) -> dict[str, Any]:
     if isinstance(error, InputError):
         about = {"path": error.path, "line": error.line}
         return {"kind": "input", "reason": error.message, **about}
-    return {"kind": "failed", "reason": describe(error), "frame": frame}
+    return {"kind": "failed", "reason": describe(error)}
 
 
 def describe(error: BaseException, *, named: bool = True) -> str:
     """Return an exception in one line, also one whose text cannot be had."""
     try:
         text = " ".join(str(error).split())
-    except BaseException:
+    except BaseException:  # noqa: BLE001 - whatever its __str__ raises
         text = ""
     if not named:
         return text
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
-
-
-_NOTHING: Any = encode_reply  # replaced when it is encoded
-_RSS_UNIT = 1 if sys.platform == "darwin" else 1024
