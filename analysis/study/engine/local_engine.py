@@ -207,7 +207,7 @@ class LocalEngine:
         return found
 
     def _blame(self, worker: Worker, verdict: Verdict | None) -> list[Outcome]:
-        """Return the failure of the task in which a worker ended; nothing if it is to be repeated."""
+        """Return the failure of the task that a worker ended in; nothing if it is repeated."""
         index = worker.queue[0]
         if verdict is not None and not self._ended_itself(worker, verdict):
             reason = verdict.reason
