@@ -1,7 +1,7 @@
 """A study in a process of its own, to be killed: ``kill_program.py KIND FOLDER [STEP]``.
 
 Its file-system steps are counted, and it kills itself before one of them if that is asked for.  It
-prints a line of JSON at its begin, after each result, and at its end.
+prints a line of JSON at its begin, after each result, when all are durable, and at its end.
 """
 
 import json
@@ -161,6 +161,8 @@ def study(folder: Path) -> None:
             for outcome in engine.run([runs.runs[at] for at in missing], stop=False):
                 results.add(missing[outcome.index], outcome)
                 say(done=results.durable, of=len(runs))
+        results.flush()
+        say(done=results.durable, of=len(runs))
         results.finish()
 
 
