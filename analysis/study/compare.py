@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
@@ -16,8 +17,12 @@ from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
 from .engine.limits import DEFAULT_LIMITS, Limits
-from .runs import Progress, Runs, choose_draws, run_policies
+from .engine.open_engine import open_engine
+from .runs import Progress, Runs, carry_out, choose_draws, plan_runs
 from .score import World
+
+if TYPE_CHECKING:
+    from .comparison_target import ComparisonTarget
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,10 +66,17 @@ def compare(
     options: CompareOptions | None = None,
     *,
     progress: Progress | None = None,
+    target: "ComparisonTarget | None" = None,
 ) -> tuple[Comparison, dict[str, FrameLog]]:
     """Replay and score policies; return the comparison, and each frame log by label.
 
     A policy that breaks its contract is reported as failed, and the others are finished.
+
+    Parameters
+    ----------
+    target
+        Where the comparison is to be written.  Runs are kept beside it as they are done; if it
+        holds this very comparison, that is returned.
 
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
@@ -74,18 +86,14 @@ def compare(
     draws = choose_draws(hardware, options.draws)
     each = -(-options.resamples // max(len(draws), 1))
     resamples = (0 if draws else each, each)
-    seeds = [replay_options.seed]
-    runs = run_policies(
-        policies,
-        world,
-        seeds,
-        draws,
-        resamples,
-        options.workers,
-        progress,
-        limits=options.policy_limits,
-        scheduler=options.scheduler,
+    plan = plan_runs(policies, world, [replay_options.seed], draws, resamples)
+    limits = options.policy_limits
+    if target is not None and (earlier := target.begin(plan, limits)) is not None:
+        return earlier
+    engine = open_engine(
+        plan.inputs, workers=options.workers, limits=limits, scheduler=options.scheduler
     )
+    runs = carry_out(plan, engine, progress, None if target is None else target.work)
     pools = {
         label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
         for label, run in runs.items()

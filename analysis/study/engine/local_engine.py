@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from selectors import EVENT_READ, EVENT_WRITE, DefaultSelector
 from typing import Self
@@ -54,6 +55,7 @@ class LocalEngine:
         self._workers: list[Worker] = []
         self._printed: dict[str, bytes] = {}
         self._failed_starts = 0
+        self._killed = Counter[int]()
 
     def __enter__(self) -> Self:
         given = self._inputs
@@ -74,6 +76,7 @@ class LocalEngine:
         """Yield what became of each task (see `Engine`)."""
         assert self._shared is not None, "an engine is entered before it runs"
         self._tasks = tasks
+        self._killed.clear()
         self._schedule = Schedule([task.owner for task in tasks], stop=stop)
         memory_bytes = self._limits.worker_bytes(max(min(self._most, len(tasks)), 1))
         self._memory_bytes, shared_bytes = memory_bytes, sum(self._shared.sizes)
@@ -205,16 +208,25 @@ class LocalEngine:
                 raise InputError("workers: expected processes that start, got none; ask for fewer")
         elif worker.queue and (verdict is None or verdict.task in (-1, worker.queue[0])):
             self._failed_starts = 0
-            reason = _how_it_ended(worker.status)
-            if verdict is not None and not self._ended_itself(worker, verdict):
-                reason = verdict.reason
-            index = worker.queue.popleft()
-            frame, _ = worker.heart.read(index)
-            found.append(Outcome(index, None, Failure("failed", reason, frame)))
+            found.extend(self._blame(worker, verdict))
         self._schedule.give_back(worker.queue)
         self._keep_printed(worker)
         worker.close()
         return found
+
+    def _blame(self, worker: Worker, verdict: Verdict | None) -> list[Outcome]:
+        """Return the failure of the task that a worker ended in; nothing if it is repeated."""
+        index = worker.queue[0]
+        if verdict is not None and not self._ended_itself(worker, verdict):
+            reason = verdict.reason
+        elif worker.status in _FROM_OUTSIDE and self._killed[index] < _REPEATS:
+            self._killed[index] += 1
+            return []  # given back with the rest of the queue
+        else:
+            reason = _how_it_ended(worker.status)
+        worker.queue.popleft()
+        frame, _ = worker.heart.read(index)
+        return [Outcome(index, None, Failure("failed", reason, frame))]
 
     def _ended_itself(self, worker: Worker, verdict: Verdict) -> bool:
         """Whether a worker that answers no more had come to its end by itself."""
@@ -240,6 +252,10 @@ class LocalEngine:
 
 
 _KILLED = -signal.SIGKILL
+_FROM_OUTSIDE = (_KILLED, None)
+"""How a worker ends that somebody else kills, or its minder; a policy may do the same to it..."""
+_REPEATS = 2
+"""...and so its run is repeated, but not for ever."""
 
 
 def _how_it_ended(status: int | None) -> str:
