@@ -151,7 +151,8 @@ def _fps_low_mean(sample: Sample, x: FloatArray, share: float) -> FloatArray:
     values, drawn = sample.ordered(x)
     least = _quantile(sample, x, 1.0 - share, median_unbiased=True)
     fps = np.full(len(drawn), np.nan)
-    for at, (row, threshold) in enumerate(zip(drawn, least.tolist(), strict=True)):
+    for at, threshold in enumerate(least.tolist()):
+        row = drawn[at]
         start = int(values.searchsorted(threshold))
         before = int(row[start - 1]) if start else 0
         times: IntArray = np.diff(row[start:], prepend=before)
