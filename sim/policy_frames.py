@@ -9,6 +9,8 @@ from ..base.errors import InputError, PolicyError
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
+from ..models.scene.motion import Centers
+from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.protocol import Clairvoyant, Policy, Truth
@@ -46,9 +48,9 @@ class PolicyFrames:
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
         self._fovy_rad = math.radians(options.fovy_deg)
-        self._rest_m = np.ascontiguousarray(scene.center_m.T)
-        self._rest_m.flags.writeable = False
+        self._centers = Centers(scene.center_m, scene.motion)
         self._culler = Culler(scene.radius_m, scene.cells)
+        self._nodes = Nodes(self._scene, np.zeros(0, dtype=np.int32))
         self._tree = None if scene.flat else Tree(scene)
         streaming = policy.capabilities.loader and not scene.flat
         bound_bytes = options.memory_bytes or hardware.memory_bytes
@@ -106,7 +108,7 @@ class PolicyFrames:
     def _show(self, frame: int, time_ns: int) -> View:
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
-        centers_m = self._centers(time_s)
+        centers_m = self._centers.at(time_s)
         ids, xyz_m = self._culler.cull(centers_m, camera)
         state = FrameState(
             self._scene,
@@ -123,7 +125,9 @@ class PolicyFrames:
             self._memory.resident,
             self._previous_centers_m,
         )
-        view = View(state, ids, xyz_m)
+        if ids is not self._nodes.ids:
+            self._nodes = Nodes(self._scene, ids)
+        view = View(state, ids, xyz_m, self._nodes)
         if self._tree is None:
             return view
         roots = self._scene.roots
@@ -152,14 +156,6 @@ class PolicyFrames:
             display.height_px,
             self._fovy_rad,
         )
-
-    def _centers(self, time_s: float) -> FloatArray:
-        motion = self._scene.motion
-        if motion is None:
-            return self._rest_m
-        centers_m = self._rest_m.copy()
-        centers_m[:, motion.node] += motion.offset_m(time_s).T
-        return centers_m
 
     def _select(self, view: View, truth: Truth | None) -> Selection:
         try:

@@ -12,6 +12,8 @@ from ...base.arrays import FloatArray, derive
 from ...base.errors import InputError
 from .rotation import rotation_matrix
 
+_BLOCK = 16_000  # points for which BLAS starts no threads
+
 
 @dataclass(frozen=True, slots=True)
 class Camera:
@@ -52,7 +54,13 @@ class Camera:
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
         """Return (3, n) right, up and forward coordinates of (3, n) scene points."""
-        return self.axes @ points_m - (self.axes @ np.array(self.position_m))[:, None]
+        eye_m = (self.axes @ self.position_m)[:, None]
+        if points_m.shape[1] <= _BLOCK:
+            local_m = self.axes @ points_m
+            local_m -= eye_m
+            return local_m
+        parts = np.split(points_m, range(_BLOCK, points_m.shape[1], _BLOCK), axis=1)
+        return np.concatenate([self.axes @ part - eye_m for part in parts], axis=1)
 
 
 def projected_area_px(

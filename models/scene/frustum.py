@@ -8,7 +8,8 @@ from ...base.arrays import FloatArray, IntArray
 from .camera import Camera
 from .cells import Cells
 
-_BLOCK = 16_000  # nodes whose buffers fit a core's cache; BLAS starts no threads for so few
+_BLOCK = 8_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
+_NEAR = 4  # the plane that lies across the view axis, after the four at the sides
 
 
 class Culler:
@@ -22,59 +23,81 @@ class Culler:
     is dropped too.
     """
 
-    __slots__ = ("_cells", "_keep", "_mask", "_radius_m", "_reach", "_side", "_xyz_m", "inside")
-
     def __init__(self, radius_m: FloatArray, cells: Cells | None = None) -> None:
-        size = min(_BLOCK, len(radius_m))
-        self._radius_m = radius_m
+        n = len(radius_m)
+        size = min(_BLOCK, n)
         self._cells = cells
-        self._xyz_m = np.empty((3, size))
-        self._side = np.empty(size)
-        self._reach = np.empty(size)
-        self._mask = np.empty(size, dtype=np.bool_)
-        self._keep = np.empty(len(radius_m), dtype=np.bool_)
+        # Columns (x, y, z, 1, radius): one product with rows (normal, offset, 1) tells how far
+        # each sphere reaches inside each plane.
+        self._spheres = np.ones((5, n))
+        self._spheres[4] = radius_m
+        self._placed: FloatArray | None = None
+        self._planes = np.ones((5, 5))
+        self._lens: tuple[float, ...] = ()
+        self._normals = np.zeros((5, 3))
+        self._reach_m = np.empty((5, size))
+        self._least_m = np.empty(size)
+        self._keep = np.zeros(n, dtype=np.bool_)
+        self._last_keep = b""
+        self._at = np.zeros(0, dtype=np.intp)
+        self._ids: IntArray = self._at.astype(np.int32)
         self.inside = self._keep.view()
         self.inside.flags.writeable = False
 
     def cull(self, centers_m: FloatArray, camera: Camera) -> tuple[IntArray, FloatArray]:
         """Return ids of candidates, ascending, and their (3, m) camera coordinates; read-only.
 
-        `centers_m` is (3, N): scene coordinates of the spheres' centres.
+        `centers_m` is (3, N): scene coordinates of the spheres' centres.  Where the candidates are
+        those of the cull before, the ids are the same array.
         """
-        axes = camera.axes
-        eye: list[float] = (axes @ camera.position_m).tolist()
-        blocks = range(0, len(self._radius_m), _BLOCK)
-        parts = [self._cull_block(start, centers_m, camera, eye) for start in blocks]
-        ids, xyz_m = parts[0]
-        if len(parts) > 1:
-            ids = np.concatenate([part[0] for part in parts])
-            xyz_m = np.concatenate([part[1] for part in parts], axis=1)
-        ids.flags.writeable = xyz_m.flags.writeable = False
-        return ids, xyz_m
-
-    def _cull_block(
-        self, start: int, centers_m: FloatArray, camera: Camera, eye: list[float]
-    ) -> tuple[IntArray, FloatArray]:
-        radius_m = self._radius_m[start : start + _BLOCK]
-        keep = self._keep[start : start + _BLOCK]
-        size = len(radius_m)
-        xyz, side, reach = self._xyz_m[:, :size], self._side[:size], self._reach[:size]
-        mask = self._mask[:size]
-        np.matmul(camera.axes, centers_m[:, start : start + size], out=xyz)
-        for row in range(3):
-            xyz[row] -= eye[row]
-        np.subtract(camera.near_m, radius_m, out=side)
-        np.greater(xyz[2], side, out=keep)
-        for row, pixels in ((0, camera.width_px), (1, camera.height_px)):
-            # Outside where |x| cos a - z sin a > r, that is |x| > z tan a + r / cos a.
-            tangent = 0.5 * pixels / camera.focal_px
-            np.multiply(xyz[2], tangent, out=reach)
-            np.multiply(radius_m, math.hypot(1.0, tangent), out=side)
-            reach += side
-            np.abs(xyz[row], out=side)
-            np.less_equal(side, reach, out=mask)
-            keep &= mask
+        if centers_m is not self._placed:
+            self._spheres[:3] = centers_m
+            # Whoever may write to the array may have done so by the next cull.
+            self._placed = None if centers_m.flags.writeable else centers_m
+        self._place_planes(camera)
+        for start in range(0, len(self._keep), _BLOCK):
+            self._cull_block(start)
         if self._cells is not None:
-            keep &= self._cells.seen_from(camera.position_m)[start : start + _BLOCK]
-        at = keep.nonzero()[0]
-        return (at + start).astype(np.int32), xyz.take(at, axis=1)
+            np.logical_and(self._keep, self._cells.seen_from(camera.position_m), out=self._keep)
+        # Candidates often stay, and to compare masks takes less time than to gather anew.
+        keep = self._keep.tobytes()
+        if keep != self._last_keep:
+            self._last_keep = keep
+            self._at = self._keep.nonzero()[0]
+            self._ids = self._at.astype(np.int32)
+            self._ids.flags.writeable = False
+        xyz_m = camera.to_camera(centers_m.take(self._at, axis=1))
+        xyz_m.flags.writeable = False
+        return self._ids, xyz_m
+
+    def _cull_block(self, start: int) -> None:
+        keep = self._keep[start : start + _BLOCK]
+        size = len(keep)
+        reach_m, least_m = self._reach_m[:, :size], self._least_m[:size]
+        np.matmul(self._planes, self._spheres[:, start : start + size], out=reach_m)
+        np.minimum.reduce(reach_m, axis=0, out=least_m)
+        np.greater_equal(least_m, 0.0, out=keep)
+
+    def _place_planes(self, camera: Camera) -> None:
+        """Turn the planes, whose normals point inwards, to where the camera is."""
+        lens = (camera.width_px, camera.height_px, camera.focal_px)
+        if lens != self._lens:
+            self._lens = lens
+            self._normals = _normals(*lens)
+        planes = self._planes
+        np.matmul(self._normals, camera.axes, out=planes[:, :3])
+        np.matmul(planes[:, :3], camera.position_m, out=planes[:, 3])
+        np.negative(planes[:, 3], out=planes[:, 3])
+        planes[_NEAR, 3] -= camera.near_m
+
+
+def _normals(width_px: float, height_px: float, focal_px: float) -> FloatArray:
+    """Return unit normals of the planes in the camera's frame, right, up and forward, (5, 3)."""
+    normals = np.zeros((5, 3))
+    for axis, pixels in enumerate((width_px, height_px)):
+        tangent = 0.5 * pixels / focal_px
+        across = math.hypot(1.0, tangent)
+        normals[2 * axis : 2 * axis + 2, axis] = -1.0 / across, 1.0 / across
+        normals[2 * axis : 2 * axis + 2, 2] = tangent / across
+    normals[_NEAR, 2] = 1.0
+    return normals
