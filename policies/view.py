@@ -110,10 +110,7 @@ class View:
     @per_node
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
-        x, y, z = self.xyz_m
-        square = x * x
-        square += y * y
-        square += z * z
+        square = np.add.reduce(self.xyz_m * self.xyz_m, axis=0)
         return np.sqrt(square, out=square)
 
     @per_node
@@ -125,7 +122,10 @@ class View:
     @per_node
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
-        return projected_area_px(self.xyz_m[2], self.distance_m, self.radius_m, self.camera)
+        nodes = self.nodes
+        return projected_area_px(
+            self.xyz_m[2], self.distance_m, nodes.radius_m, self.camera, nodes.square_m2
+        )
 
     @per_node
     def inside_share(self) -> FloatArray:

@@ -14,14 +14,15 @@ from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.protocol import Clairvoyant, Policy, Truth
-from ..policies.selection import Selection, find_violation
+from ..policies.selection import Selection
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
 from .frame_timer import FrameTimer
-from .loader import find_not_resident, make_memory
+from .loader import make_memory
 from .pipeline import Pipeline
 from .replay_options import ReplayOptions
+from .selection_check import SelectionCheck
 from .simulated_machine import Machine, SimulatedMachine
 
 _PACE_FRAMES = 10_000
@@ -70,6 +71,7 @@ class PolicyFrames:
             policy=name,
             future=future,
         )
+        self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
         self._previous_centers_m: FloatArray | None = None
@@ -100,7 +102,7 @@ class PolicyFrames:
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera
         self._previous_s, self._previous_centers_m = time_ns * 1e-9, view.state.centers_m
-        costs_ns = self._recorder.record(view, selection)
+        costs_ns = self._recorder.record(view, selection, repeats=self._check.repeats)
         # What is wanted is read while the frame is drawn: the next one may have it, not this one.
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
@@ -164,8 +166,7 @@ class PolicyFrames:
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
-        violation = find_violation(selection, view.ids, self._scene, self._tree)
-        violation = violation or find_not_resident(selection, view)
+        violation = self._check.find_violation(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection

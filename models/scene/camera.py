@@ -10,7 +10,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray, derive
 from ...base.errors import InputError
-from .rotation import rotation_matrix
+from .rotation import camera_axes
 
 _BLOCK = 16_000  # points for which BLAS starts no threads
 
@@ -29,6 +29,8 @@ class Camera:
     focal_px : derived, height / (2 tan(fovy / 2))
     axes : (3, 3) float64, derived
         Rows: the camera's right, up and forward directions in the scene frame.
+    eye_m : (3,) float64, derived
+        The position along the axes.
     """
 
     position_m: tuple[float, float, float]
@@ -39,13 +41,14 @@ class Camera:
     near_m: float = 0.1
     focal_px: float = field(init=False)
     axes: FloatArray = field(init=False, repr=False)
+    eye_m: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
-        axes = np.ascontiguousarray(rotation_matrix(self.orientation_xyzw).T)
-        axes[2] *= -1.0
-        derive(self, axes=axes, focal_px=self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
+        axes = camera_axes(*self.orientation_xyzw)
+        derive(self, axes=axes, eye_m=axes @ self.position_m)
+        derive(self, focal_px=self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
 
     @property
     def viewport_px(self) -> int:
@@ -54,7 +57,7 @@ class Camera:
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
         """Return (3, n) right, up and forward coordinates of (3, n) scene points."""
-        eye_m = (self.axes @ self.position_m)[:, None]
+        eye_m = self.eye_m[:, None]
         if points_m.shape[1] <= _BLOCK:
             local_m = self.axes @ points_m
             local_m -= eye_m
@@ -64,29 +67,38 @@ class Camera:
 
 
 def projected_area_px(
-    depth_m: FloatArray, distance_m: FloatArray, radius_m: FloatArray, camera: Camera
+    depth_m: FloatArray,
+    distance_m: FloatArray,
+    radius_m: FloatArray,
+    camera: Camera,
+    square_m2: FloatArray | None = None,
 ) -> FloatArray:
     """Return the projected area of bounding spheres in px, at most the viewport's, (n,).
 
     The perspective image of a sphere at forward depth z and distance l is an ellipse of area
     ``π f² r² sqrt((l² - r²) / (z² - r²)) / (z² - r²)``.  A sphere that reaches the near plane has
     no such ellipse (its image is unbounded or wraps the eye) and counts as the whole viewport.
+    `square_m2` is r² where it is known.
     """
-    square = radius_m * radius_m
+    square = radius_m * radius_m if square_m2 is None else square_m2
+    near = depth_m - radius_m <= camera.near_m
+    some_near = np.count_nonzero(near)
     gap = depth_m * depth_m
     gap -= square
-    front = depth_m - radius_m > camera.near_m
-    np.maximum(gap, 1e-30, out=gap)
     area = distance_m * distance_m
     area -= square
+    if some_near:  # beyond the near plane both are positive
+        np.maximum(gap, 1e-30, out=gap)
+        np.maximum(area, 0.0, out=area)
     area /= gap
-    np.sqrt(np.maximum(area, 0.0, out=area), out=area)
+    np.sqrt(area, out=area)
     area *= square
     area *= math.pi * camera.focal_px**2
     area /= gap
     limit = float(camera.viewport_px)
     np.minimum(area, limit, out=area)
-    area[~front] = limit
+    if some_near:
+        area[near] = limit
     return area
 
 

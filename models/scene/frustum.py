@@ -9,7 +9,6 @@ from .camera import Camera
 from .cells import Cells
 
 _BLOCK = 8_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
-_NEAR = 4  # the plane that lies across the view axis, after the four at the sides
 
 
 class Culler:
@@ -32,9 +31,10 @@ class Culler:
         self._spheres = np.ones((5, n))
         self._spheres[4] = radius_m
         self._placed: FloatArray | None = None
-        self._planes = np.ones((5, 5))
         self._lens: tuple[float, ...] = ()
-        self._normals = np.zeros((5, 3))
+        self._local = np.zeros((5, 5))  # the planes in the camera's frame
+        self._pose = np.eye(5)
+        self._planes = np.zeros((5, 5))
         self._reach_m = np.empty((5, size))
         self._least_m = np.empty(size)
         self._keep = np.zeros(n, dtype=np.bool_)
@@ -80,24 +80,27 @@ class Culler:
 
     def _place_planes(self, camera: Camera) -> None:
         """Turn the planes, whose normals point inwards, to where the camera is."""
-        lens = (camera.width_px, camera.height_px, camera.focal_px)
+        lens = (camera.width_px, camera.height_px, camera.focal_px, camera.near_m)
         if lens != self._lens:
             self._lens = lens
-            self._normals = _normals(*lens)
-        planes = self._planes
-        np.matmul(self._normals, camera.axes, out=planes[:, :3])
-        np.matmul(planes[:, :3], camera.position_m, out=planes[:, 3])
-        np.negative(planes[:, 3], out=planes[:, 3])
-        planes[_NEAR, 3] -= camera.near_m
+            self._local = _local_planes(*lens)
+        pose = self._pose
+        pose[:3, :3] = camera.axes
+        np.negative(camera.eye_m, out=pose[:3, 3])
+        np.matmul(self._local, pose, out=self._planes)
 
 
-def _normals(width_px: float, height_px: float, focal_px: float) -> FloatArray:
-    """Return unit normals of the planes in the camera's frame, right, up and forward, (5, 3)."""
-    normals = np.zeros((5, 3))
+def _local_planes(width_px: float, height_px: float, focal_px: float, near_m: float) -> FloatArray:
+    """Return rows (normal, offset, 1) of the planes in the camera's frame, (5, 5).
+
+    The sides are left and right, bottom and top; the last one is the near plane.
+    """
+    planes = np.zeros((5, 5))
     for axis, pixels in enumerate((width_px, height_px)):
         tangent = 0.5 * pixels / focal_px
         across = math.hypot(1.0, tangent)
-        normals[2 * axis : 2 * axis + 2, axis] = -1.0 / across, 1.0 / across
-        normals[2 * axis : 2 * axis + 2, 2] = tangent / across
-    normals[_NEAR, 2] = 1.0
-    return normals
+        planes[2 * axis : 2 * axis + 2, axis] = 1.0 / across, -1.0 / across
+        planes[2 * axis : 2 * axis + 2, 2] = tangent / across
+    planes[4, 2:4] = 1.0, -near_m
+    planes[:, 4] = 1.0
+    return planes

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from ...base.arrays import FloatArray, IntArray
 from .scene import Scene
 
+_ROUNDING = 1e-9  # by which a resolution may miss that of the coarsest level
+
 
 class _PerNode:
     """An array that is computed when first asked for, then kept, read-only.
@@ -51,7 +53,7 @@ class Nodes:
 
     @per_node
     def at(self) -> NDArray[np.intp]:
-        """The nodes as numpy indexes fastest, (m,)."""
+        """Return the nodes as numpy indexes fastest, (m,)."""
         return self.ids.astype(np.intp)
 
     @per_node
@@ -81,7 +83,7 @@ class Nodes:
 
     @per_node
     def importance(self) -> FloatArray:
-        """Importance of each node, (m,)."""
+        """Return the importance of each node, (m,)."""
         return self.scene.importance.take(self.at)
 
     @per_node
@@ -90,6 +92,14 @@ class Nodes:
         return self.scene.types.levels.start.astype(np.intp).take(self.type_at)
 
     @per_node
-    def coarsest(self) -> FloatArray:
-        """Index of each node's coarsest level, (m,)."""
-        return (self.scene.types.levels.level_count - 1.0).take(self.type_at)
+    def least_detail(self) -> FloatArray:
+        """Smallest number by which a selection may call a level of each node, (m,)."""
+        levels = self.scene.types.levels
+        low = np.where(levels.continuous, levels.min_resolution - _ROUNDING, 0.0)
+        return low.take(self.type_at)
+
+    @per_node
+    def most_detail(self) -> FloatArray:
+        """Largest number by which a selection may call a level of each node, (m,)."""
+        levels = self.scene.types.levels
+        return np.where(levels.continuous, 1.0, levels.level_count - 1.0).take(self.type_at)
