@@ -1,11 +1,15 @@
 """The check of every selection of a replay, which is short where nothing has changed."""
 
-from ..models.scene.nodes import Nodes
+from typing import TYPE_CHECKING
+
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.selection import Selection, find_wrong_nodes, find_wrong_values
 from ..policies.view import View
 from .loader import find_not_resident
+
+if TYPE_CHECKING:
+    from ..models.scene.nodes import Nodes
 
 
 class SelectionCheck:

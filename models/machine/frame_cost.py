@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray, sum_rows
 from ...base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from .cost import CostModel
@@ -23,17 +23,17 @@ class Load(NamedTuple):
 
     Attributes
     ----------
-    times_drawn : (L,) float64
-        How often each level is drawn, shared between the two about a resolution.
-    types : int
-        Distinct types drawn.
+    counts : list of float
+        Units of the levels drawn, in the order of `LEVEL_PREDICTORS`.
     level_ms : float
         What these levels cost whatever the view.
+    types : int
+        Distinct types drawn.
     """
 
-    times_drawn: FloatArray
-    types: int
+    counts: list[float]
     level_ms: float
+    types: int
 
 
 class Price(NamedTuple):
@@ -88,6 +88,7 @@ class FrameCost:
         self.geometry_ms = levels.counts @ model.roofline_ms[:width]
         self.pixel_ms = float(model.roofline_ms[_SHADED_SAMPLES])
         self._has_roofline = model.has_roofline
+        self._per_level = np.column_stack((levels.counts, self.level_ms))
         self._first = levels.start[:-1].astype(np.int64)
         terms = [
             _Term(name, term, model.unit_ms(name), tuple(map(self._column, term.reads)))
@@ -100,10 +101,7 @@ class FrameCost:
             (name, term, model.unit_ms(name)) for name, term in FRAME_TERMS.items()
         ]
         self._summed = _by_unit(model)
-        # Frames in which nothing switches have the load of the frame before, and prices of one view
-        # the same sums of what no level decides.
-        self._last_load: Load | None = None
-        self._last_counts: dict[str, float] = {}
+        # Prices of one view have the same sums of what no level decides.
         self._last_seen: Footprint | None = None
         self._last_totals: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
@@ -155,19 +153,15 @@ class FrameCost:
 
     def load(self, row: IntArray, fraction: FloatArray | None = None) -> Load:
         """Return what a frame that draws these rows draws of each level."""
+        # Level by level, as many objects share one.
         times_drawn = self._times_drawn(row, fraction)
         types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
-        # Level by level, as many objects share one; sums do without BLAS, whose threads add up in
-        # an order of their own.
-        return Load(times_drawn, types, float((times_drawn * self.level_ms).sum()))
+        *counts, level_ms = sum_rows(times_drawn, self._per_level)
+        return Load(counts, level_ms, types)
 
     def counts(self, price: Price) -> dict[str, float]:
         """Return the units of a priced frame by GPU predictor."""
-        if price.load is not self._last_load:
-            levels = np.einsum("l,lp->p", price.load.times_drawn, self.levels.counts).tolist()
-            self._last_load = price.load
-            self._last_counts = dict(zip(LEVEL_PREDICTORS, levels, strict=True))
-        return self._last_counts | price.counts
+        return dict(zip(LEVEL_PREDICTORS, price.load.counts, strict=True)) | price.counts
 
     def fixed_ms(self, viewport_px: float, types: int) -> float:
         """Return what a frame of so many distinct types costs before its first object."""

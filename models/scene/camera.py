@@ -10,7 +10,6 @@ import numpy as np
 
 from ...base.arrays import FloatArray, derive
 from ...base.errors import InputError
-from .rotation import camera_axes
 
 _BLOCK = 16_000  # points for which BLAS starts no threads
 
@@ -46,9 +45,9 @@ class Camera:
     def __post_init__(self) -> None:
         if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
-        axes = camera_axes(*self.orientation_xyzw)
-        derive(self, axes=axes, eye_m=axes @ self.position_m)
-        derive(self, focal_px=self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
+        axes, eye_m = _place(self.position_m, self.orientation_xyzw)
+        focal_px = self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0))
+        derive(self, focal_px=focal_px, axes=axes, eye_m=eye_m)
 
     @property
     def viewport_px(self) -> int:
@@ -64,6 +63,24 @@ class Camera:
             return local_m
         parts = np.split(points_m, range(_BLOCK, points_m.shape[1], _BLOCK), axis=1)
         return np.concatenate([self.axes @ part - eye_m for part in parts], axis=1)
+
+
+def _place(
+    position_m: tuple[float, float, float], orientation_xyzw: tuple[float, float, float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Return a camera's axes and the position along them: once a frame, hence in plain numbers.
+
+    The axes are the rows of the transposed rotation matrix, the last one negated: cameras look
+    along -z.
+    """
+    (x, y, z, w), (px, py, pz) = orientation_xyzw, position_m
+    ax, ay, az = 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)
+    bx, by, bz = 2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)
+    cx, cy, cz = -2 * (x * z + y * w), -2 * (y * z - x * w), 2 * (x * x + y * y) - 1
+    eye = (ax * px + ay * py + az * pz, bx * px + by * py + bz * pz, cx * px + cy * py + cz * pz)
+    numbers = np.array((ax, ay, az, bx, by, bz, cx, cy, cz, *eye), dtype=np.float64)
+    numbers.flags.writeable = False
+    return numbers[:9].reshape(3, 3), numbers[9:]
 
 
 def projected_area_px(

@@ -92,6 +92,11 @@ class Nodes:
         return self.scene.types.levels.start.astype(np.intp).take(self.type_at)
 
     @per_node
+    def coarsest_level(self) -> FloatArray:
+        """Index of each node's coarsest level, or knot, (m,) float64."""
+        return (self.scene.types.levels.level_count - 1.0).take(self.type_at)
+
+    @per_node
     def least_detail(self) -> FloatArray:
         """Smallest number by which a selection may call a level of each node, (m,)."""
         levels = self.scene.types.levels

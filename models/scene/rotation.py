@@ -29,18 +29,3 @@ def rotation_matrix(orientation_xyzw: Iterable[float]) -> FloatArray:
             (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
         )
     )
-
-
-def camera_axes(x: float, y: float, z: float, w: float) -> FloatArray:
-    """Return the (3, 3) right, up and forward directions of a camera that a quaternion turns.
-
-    The rows are those of the rotation matrix's transpose, the last one negated: cameras look along
-    -z.  Written out because a replay asks once a frame.
-    """
-    return np.array(
-        (
-            (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)),
-            (2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
-            (-(2 * (x * z + y * w)), -(2 * (y * z - x * w)), -(1 - 2 * (x * x + y * y))),
-        )
-    )

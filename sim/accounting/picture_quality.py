@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray
+from ...base.arrays import FloatArray, sum_rows
 from ...models.scene.benefit import BASE_ERROR, level_accuracy, level_primitives
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
@@ -60,8 +60,8 @@ class FlatQuality:
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
         per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
-        self._per_level = np.stack((level_accuracy(levels), per_primitive))
-        self._full = self._per_level[:, levels.start[:-1]]
+        self._per_level = np.stack((level_accuracy(levels), per_primitive), axis=1)
+        self._full = self._per_level[levels.start[:-1]]
         self._unit_importance = bool((scene.importance == 1.0).all())
 
     def units(self, view: View) -> View:
@@ -74,9 +74,10 @@ class FlatQuality:
         weight = whole = self._weight(units)
         if drawn.ids is not units.ids:
             weight = self._weight(drawn.seen)
-        by_type: Any = np.bincount(units.nodes.type_at, whole, len(self._full[0]))
-        full_benefit, full_degradation = np.add.reduce(self._full * by_type, axis=1).tolist()
         benefit, degradation = self._sums(weight, drawn.row, drawn.fraction)
+        # numpy's stubs say that bincount returns integers with weights too.
+        by_type: Any = np.bincount(units.nodes.type_at, whole, len(self._full))
+        full_benefit, full_degradation = sum_rows(by_type, self._full)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
             # One primitive for each that is missing: its whole weight, over 1.
@@ -89,9 +90,8 @@ class FlatQuality:
         """Return the weighted sums of accuracy and of one over primitives."""
         if fraction is None:
             # Sums by level before they meet the tables, as many objects share one.
-            # numpy's stubs say that bincount returns integers with weights too.
             per_row: Any = np.bincount(row, weight, len(self._primitives))
-            return np.add.reduce(self._per_level * per_row, axis=1).tolist()
+            return sum_rows(per_row, self._per_level)
         primitives = self._levels.interpolate(self._primitives, row, fraction)
         scores = np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
         return np.add.reduce(scores * weight, axis=1).tolist()
