@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.arrays import BoolArray, FloatArray, IntArray
-from ..models.scene.camera import Camera, eccentricity_deg, projected_area_px
+from ..models.scene.camera import Camera, area_of_spheres, eccentricity_deg
 from ..models.scene.nodes import Nodes, per_node
 from ..models.scene.scene import Scene
 from .frame_times import Completed
@@ -110,21 +110,39 @@ class View:
     @per_node
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
-        square = np.add.reduce(self.xyz_m * self.xyz_m, axis=0)
-        return np.sqrt(square, out=square)
+        return np.sqrt(self._square_m2)
+
+    @per_node
+    def _square_m2(self) -> FloatArray:
+        """Return the square of each distance, (m,)."""
+        return np.add.reduce(self.xyz_m * self.xyz_m, axis=0)
 
     @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
-        gap = self.distance_m - self.radius_m
+        gap = self.distance_m - self.nodes.radius_m
         return np.maximum(gap, self.camera.near_m, out=gap)
+
+    @per_node
+    def px_per_m(self) -> FloatArray:
+        """Pixels of one metre before scale, at the nearest point of each sphere, (m,)."""
+        lens = self.nodes.in_lens(self.camera.focal_px, self.camera.near_m)
+        return lens.scale_px / self.nearest_m
 
     @per_node
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
-        nodes = self.nodes
-        return projected_area_px(
-            self.xyz_m[2], self.distance_m, nodes.radius_m, self.camera, nodes.square_m2
+        camera, nodes = self.camera, self.nodes
+        lens = nodes.in_lens(camera.focal_px, camera.near_m)
+        depth_m = self.xyz_m[2]
+        gap_m2 = depth_m * depth_m
+        gap_m2 -= nodes.square_m2
+        return area_of_spheres(
+            gap_m2,
+            self._square_m2 - nodes.square_m2,
+            lens.disc,
+            depth_m <= lens.reach_m,
+            float(camera.viewport_px),
         )
 
     @per_node

@@ -112,6 +112,7 @@ class PolicyFrames:
         camera = self._camera(time_s)
         centers_m = self._centers.at(time_s)
         ids, xyz_m = self._culler.cull(centers_m, camera)
+        centers_m = centers_m[:3]
         state = FrameState(
             self._scene,
             camera,

@@ -43,31 +43,30 @@ class Motion:
 
 
 class Centers:
-    """Where the centres of N bounding spheres are at any time.
+    """Where the centres of N bounding spheres are at any time, as columns (x, y, z, 1).
 
-    Attributes
-    ----------
-    rest_m : (3, N) float64
-        At rest.
+    The last row lets one product with a camera's pose turn and shift them.
     """
 
     def __init__(self, center_m: FloatArray, motion: Motion | None) -> None:
         """Take centres at rest, (N, 3), and what moves of them."""
-        self.rest_m = np.ascontiguousarray(center_m.T)
-        self.rest_m.flags.writeable = False
+        n = len(center_m)
+        self._rest_m = np.ones((4, n))
+        self._rest_m[:3] = center_m.T
+        self._rest_m.flags.writeable = False
         self._motion = motion
-        # As numpy indexes: ids of another type are converted at every use.
-        self._node = np.zeros(0, dtype=np.intp) if motion is None else motion.node.astype(np.intp)
-        self._moving_m = self.rest_m[:2, self._node]
+        node = np.zeros(0, dtype=np.intp) if motion is None else motion.node.astype(np.intp)
+        # Positions of x and y among all numbers: one assignment places both.
+        self._moving = np.concatenate((node, node + n))
+        self._moving_m = self._rest_m.take(self._moving).reshape(2, -1)
 
     def at(self, time_s: float) -> FloatArray:
-        """Return (3, N) centres at a time, read-only; one array for ever where nothing moves."""
+        """Return (4, N) centres at a time, read-only; one array for ever where nothing moves."""
         if self._motion is None:
-            return self.rest_m
+            return self._rest_m
         moved_m = self._motion.offset_m(time_s)
         moved_m += self._moving_m
-        centers_m = self.rest_m.copy()
-        centers_m[0][self._node] = moved_m[0]
-        centers_m[1][self._node] = moved_m[1]
+        centers_m = self._rest_m.copy()
+        centers_m.reshape(-1)[self._moving] = moved_m.reshape(-1)
         centers_m.flags.writeable = False
         return centers_m

@@ -1,7 +1,8 @@
 """Some nodes of a scene, and what is the same of them in every frame, gathered once."""
 
+import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,21 @@ else:
     per_node = _PerNode
 
 
+class InLens(NamedTuple):
+    """What nodes are in one lens, wherever they are, (m,) each.
+
+    Attributes
+    ----------
+    disc : ``π f² r²``, pixels at a depth of 1 m
+    scale_px : pixels of one metre before scale, at a distance of 1 m
+    reach_m : depth up to which a sphere reaches the near plane
+    """
+
+    disc: FloatArray
+    scale_px: FloatArray
+    reach_m: FloatArray
+
+
 class Nodes:
     """Nodes by their indices; every array is aligned with them and read-only.
 
@@ -50,11 +66,21 @@ class Nodes:
 
     def __init__(self, scene: Scene, ids: IntArray) -> None:
         self.scene, self.ids = scene, ids
+        self._lens: tuple[float, float] = (0.0, 0.0)
+        self._in_lens = InLens(np.zeros(0), np.zeros(0), np.zeros(0))
 
     @per_node
     def at(self) -> NDArray[np.intp]:
         """Return the nodes as numpy indexes fastest, (m,)."""
         return self.ids.astype(np.intp)
+
+    def in_lens(self, focal_px: float, near_m: float) -> InLens:
+        """Return what does not change while the lens, and its near plane, stay as they are."""
+        if self._lens != (focal_px, near_m):
+            self._lens = (focal_px, near_m)
+            disc = self.square_m2 * (math.pi * focal_px**2)
+            self._in_lens = InLens(disc, self.scale * focal_px, self.radius_m + near_m)
+        return self._in_lens
 
     @per_node
     def type_index(self) -> IntArray:

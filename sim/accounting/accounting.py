@@ -52,10 +52,7 @@ class Accounting:
         if not repeats:
             self._rows = self._place(seen, selection.detail)
         row, fraction, error_m = self._rows
-        # In place: three temporary arrays a frame are what this function would take most time for.
-        px_per_m = seen.nodes.scale * view.camera.focal_px
-        px_per_m /= seen.nearest_m
-        return Drawn(seen.ids, selection.detail, row, fraction, seen, error_m, px_per_m)
+        return Drawn(seen.ids, selection.detail, row, fraction, seen, error_m, seen.px_per_m)
 
     def _place(self, seen: View, detail: FloatArray) -> _Rows:
         """Return row, fraction and error of each node's detail."""
