@@ -85,14 +85,14 @@ def require_finite(array: FloatArray, name: str, *, low: float = -np.inf) -> Non
         raise InputError(f"{name}: expected finite values{bound}, got {array[first]} at {first}")
 
 
-def sum_rows(weight: FloatArray, table: FloatArray) -> list[float]:
-    """Return the sums over the n rows of a table, (n, k), each row times its weight, (n,).
+def sum_rows(table: FloatArray, weight: FloatArray) -> list[float]:
+    """Return the sum of each row of a table, (k, n), its columns times their weights, (n,).
 
     The order of additions is the same however many threads BLAS may start.
     """
     if table.size <= _ONE_THREAD:
-        return weight.dot(table).tolist()
-    return np.einsum("i,ij->j", weight, table).tolist()
+        return table.dot(weight).tolist()
+    return np.einsum("ij,j->i", table, weight).tolist()
 
 
 def refuse_rows(

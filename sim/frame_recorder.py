@@ -85,22 +85,22 @@ class FrameRecorder:
         extraction = self._extraction(view, selection, drawn)
         counts = tally.counts | _cpu_counts(view, selection.work, extraction)
         times = self._machine.run(Submitted(view, selection, drawn, counts, tally.gpu_ms))
-        row = counts | self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
-        row.update(
-            {
-                "memory_bytes": self._memory.memory_bytes,
-                "loaded_bytes": self._newly_loaded(),
-                "fading": tally.fading,
-                "model_gpu_ms": tally.gpu_ms,
-                "predicted_gpu_ms": selection.predicted_ms,
-                "cpu_ms": times.cpu_ms,
-                "gpu_ms": times.gpu_ms,
-                "select_ms": times.select_ms,
-                "toggles": switches.toggles,
-                "reversals": switches.reversals,
-                "popping_px": switches.popping_px,
-            }
-        )
+        shown = self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
+        row = {
+            **counts,
+            **shown,
+            "memory_bytes": self._memory.memory_bytes,
+            "loaded_bytes": self._newly_loaded(),
+            "fading": tally.fading,
+            "model_gpu_ms": tally.gpu_ms,
+            "predicted_gpu_ms": selection.predicted_ms,
+            "cpu_ms": times.cpu_ms,
+            "gpu_ms": times.gpu_ms,
+            "select_ms": times.select_ms,
+            "toggles": switches.toggles,
+            "reversals": switches.reversals,
+            "popping_px": switches.popping_px,
+        }
         self.rows.append(row)
         cpu_ns, gpu_ns = round(times.cpu_ms * _NS_PER_MS), round(times.gpu_ms * _NS_PER_MS)
         return max(1, cpu_ns), max(1, gpu_ns)

@@ -88,15 +88,17 @@ class FrameCost:
         self.geometry_ms = levels.counts @ model.roofline_ms[:width]
         self.pixel_ms = float(model.roofline_ms[_SHADED_SAMPLES])
         self._has_roofline = model.has_roofline
-        self._per_level = np.column_stack((levels.counts, self.level_ms))
+        self._per_level = np.vstack((levels.counts.T, self.level_ms))
         self._first = levels.start[:-1].astype(np.int64)
         terms = [
             _Term(name, term, model.unit_ms(name), tuple(map(self._column, term.reads)))
             for name, term in VIEW_TERMS.items()
         ]
         self._charged = [term for term in terms if term.unit_ms]
-        self._counted = [term for term in terms if term.unit_ms or term.term.logged_free]
-        self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in self._counted}, np.nan)
+        counted = [term for term in terms if term.unit_ms or term.term.logged_free]
+        self._of_levels = [term for term in counted if term.columns]
+        self._of_no_level = [term for term in counted if not term.columns]
+        self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in counted}, np.nan)
         self._frame_terms = [
             (name, term, model.unit_ms(name)) for name, term in FRAME_TERMS.items()
         ]
@@ -137,9 +139,9 @@ class FrameCost:
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = _InPicture(seen, pixel_share)
-        counts = self._uncounted.copy()
-        for term in self._counted:
-            counts[term.name] = self._total(term, row, fraction, seen)
+        counts = self._totals(seen).copy()
+        for term in self._of_levels:
+            counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
         shape = FrameShape(pixel_share * viewport_px, load.types)
         for name, term, _ in self._frame_terms:
             counts[name] = term.count(shape)
@@ -156,7 +158,7 @@ class FrameCost:
         # Level by level, as many objects share one.
         times_drawn = self._times_drawn(row, fraction)
         types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
-        *counts, level_ms = sum_rows(times_drawn, self._per_level)
+        *counts, level_ms = sum_rows(self._per_level, times_drawn)
         return Load(counts, level_ms, types)
 
     def counts(self, price: Price) -> dict[str, float]:
@@ -203,17 +205,14 @@ class FrameCost:
             start, slope = start + unit_ms * above, slope + unit_ms * rise
         return start, slope
 
-    def _total(
-        self, term: _Term, row: IntArray, fraction: FloatArray | None, seen: Footprint
-    ) -> float:
-        """Return the units of all objects together."""
-        if term.columns:
-            return float(np.add.reduce(self._units(term, row, fraction, seen)))
+    def _totals(self, seen: Footprint) -> dict[str, float]:
+        """Return the units of the terms that no level decides, over all objects."""
         if seen is not self._last_seen:
-            self._last_seen, self._last_totals = seen, {}
-        if term.name not in self._last_totals:
-            self._last_totals[term.name] = float(np.add.reduce(term.term.count((), seen)))
-        return self._last_totals[term.name]
+            counts = self._uncounted.copy()
+            for term in self._of_no_level:
+                counts[term.name] = float(np.add.reduce(term.term.count((), seen)))
+            self._last_seen, self._last_totals = seen, counts
+        return self._last_totals
 
     def _units(
         self, term: _Term, row: IntArray, fraction: FloatArray | None, seen: Footprint

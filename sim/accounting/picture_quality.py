@@ -1,9 +1,8 @@
 """Error, benefit and degradation of what a frame shows, beside those of full detail."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, sum_rows
 from ...models.scene.benefit import BASE_ERROR, level_accuracy, level_primitives
@@ -55,14 +54,17 @@ class FlatQuality:
 
     def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
-        self._scene, self._levels = scene, levels
+        self._levels = levels
         self._primitives = level_primitives(levels)
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
         per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
-        self._per_level = np.stack((level_accuracy(levels), per_primitive), axis=1)
-        self._full = self._per_level[levels.start[:-1]]
+        self._per_level = np.stack((level_accuracy(levels), per_primitive))
         self._unit_importance = bool((scene.importance == 1.0).all())
+        # Accuracies and reciprocals of all that is drawn, and of all at full detail; gathered anew
+        # where rows change.
+        self._drawn_row = self._full_row = np.zeros(0, dtype=np.int64)
+        self._drawn = self._full = np.zeros((2, 0))
 
     def units(self, view: View) -> View:
         """Return the view of all objects in the frustum: the candidates."""
@@ -70,31 +72,29 @@ class FlatQuality:
 
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
+        if drawn.row is not self._drawn_row:
+            self._drawn_row, self._drawn = drawn.row, self._scores(drawn)
+        if units.nodes.finest_row is not self._full_row:
+            self._full_row = units.nodes.finest_row
+            self._full = self._per_level.take(self._full_row, axis=1)
         # Where all candidates are drawn, what is drawn weighs as much as what could be.
         weight = whole = self._weight(units)
         if drawn.ids is not units.ids:
             weight = self._weight(drawn.seen)
-        benefit, degradation = self._sums(weight, drawn.row, drawn.fraction)
-        # numpy's stubs say that bincount returns integers with weights too.
-        by_type: Any = np.bincount(units.nodes.type_at, whole, len(self._full))
-        full_benefit, full_degradation = sum_rows(by_type, self._full)
+        benefit, degradation = sum_rows(self._drawn, weight)
+        full_benefit, full_degradation = sum_rows(self._full, whole)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
             # One primitive for each that is missing: its whole weight, over 1.
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
-    def _sums(
-        self, weight: FloatArray, row: NDArray[np.int64], fraction: FloatArray | None
-    ) -> list[float]:
-        """Return the weighted sums of accuracy and of one over primitives."""
-        if fraction is None:
-            # Sums by level before they meet the tables, as many objects share one.
-            per_row: Any = np.bincount(row, weight, len(self._primitives))
-            return sum_rows(per_row, self._per_level)
-        primitives = self._levels.interpolate(self._primitives, row, fraction)
-        scores = np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
-        return np.add.reduce(scores * weight, axis=1).tolist()
+    def _scores(self, drawn: Drawn) -> FloatArray:
+        """Return accuracy and one over primitives of each node drawn, (2, m)."""
+        if drawn.fraction is None:
+            return self._per_level.take(drawn.row, axis=1)
+        primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
+        return np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
 
     def _weight(self, view: View) -> FloatArray:
         return view.area_px if self._unit_importance else view.area_px * view.nodes.importance
