@@ -85,9 +85,14 @@ def find_wrong_values(selection: object, scene: Scene) -> str | None:
         _wrong_array("ids", ids, "i", None)
         or _wrong_array("detail", selection.detail, "f", len(ids))
         or (None if holder is None else _wrong_array("holder", holder, "i", len(ids)))
-        or _wrong_numbers(selection.work, selection.predicted_ms, selection.render_scale)
+        or find_wrong_numbers(selection)
         or (None if selection.wanted is None else _wrong_wanted(selection.wanted, scene))
     )
+
+
+def find_wrong_numbers(selection: Selection) -> str | None:
+    """Return which number of a selection has a value that it must not have, or None."""
+    return _wrong_numbers(selection.work, selection.predicted_ms, selection.render_scale)
 
 
 def find_wrong_nodes(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, derive
+from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
 
 _BLOCK = 16_000  # points for which BLAS starts no threads
@@ -48,7 +48,9 @@ class Camera:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
         axes, pose = _place(self.position_m, self.orientation_xyzw)
         focal_px = self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0))
-        derive(self, focal_px=focal_px, axes=axes, pose=pose)
+        axes.flags.writeable = pose.flags.writeable = False
+        for name, value in (("focal_px", focal_px), ("axes", axes), ("pose", pose)):
+            object.__setattr__(self, name, value)
 
     @property
     def viewport_px(self) -> int:
