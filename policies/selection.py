@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..base.arrays import FloatArray, IntArray
+from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 
@@ -67,23 +68,48 @@ class Selection:
 def find_violation(
     selection: object, candidates: IntArray, scene: Scene, tree: Tree | None = None
 ) -> str | None:
-    """Return why a selection breaks its contract, or None; nothing is ever repaired.
+    """Return why a selection breaks its contract, or None; nothing is ever repaired."""
+    wrong = find_wrong_values(selection, scene)
+    if wrong is not None:
+        return wrong
+    assert isinstance(selection, Selection)
+    return find_wrong_nodes(selection, Nodes(scene, candidates), tree)
+
+
+def find_wrong_values(selection: object, scene: Scene) -> str | None:
+    """Return what of a selection is no array or number of its kind, whatever the view, or None."""
+    if not isinstance(selection, Selection):
+        return f"expected a Selection, got {type(selection).__name__}"
+    ids, holder = selection.ids, selection.holder
+    return (
+        _wrong_array("ids", ids, "i", None)
+        or _wrong_array("detail", selection.detail, "f", len(ids))
+        or (None if holder is None else _wrong_array("holder", holder, "i", len(ids)))
+        or find_wrong_numbers(selection)
+        or (None if selection.wanted is None else _wrong_wanted(selection.wanted, scene))
+    )
+
+
+def find_wrong_numbers(selection: Selection) -> str | None:
+    """Return which number of a selection has a value that it must not have, or None."""
+    return _wrong_numbers(selection.work, selection.predicted_ms, selection.render_scale)
+
+
+def find_wrong_nodes(
+    selection: Selection, candidates: Nodes, tree: Tree | None = None
+) -> str | None:
+    """Return which node or detail a selection of well-formed arrays must not have, or None.
 
     The common case, one detail for every candidate in the view's own order, is the cheapest.
     """
-    if not isinstance(selection, Selection):
-        return f"expected a Selection, got {type(selection).__name__}"
-    ids, detail, holder = selection.ids, selection.detail, selection.holder
-    wrong = (
-        _wrong_array("ids", ids, "i", None)
-        or _wrong_array("detail", detail, "f", len(ids))
-        or (None if holder is None else _wrong_array("holder", holder, "i", len(ids)))
-        or _wrong_numbers(selection.work, selection.predicted_ms, selection.render_scale)
-        or (None if selection.wanted is None else _wrong_wanted(selection.wanted, scene))
-    )
-    if wrong or len(ids) == 0:
-        return wrong
-    wrong = _wrong_ids(ids, candidates, scene) or _wrong_detail(ids, detail, scene)
+    scene, ids, holder = candidates.scene, selection.ids, selection.holder
+    if len(ids) == 0:
+        return None
+    whole = ids is candidates.ids
+    wrong = None if whole else _wrong_ids(ids, candidates.ids, scene)
+    if wrong is None:
+        nodes = candidates if whole else Nodes(scene, ids)
+        wrong = _wrong_detail(nodes, selection.detail)
     if wrong is None and holder is not None:
         wrong = _wrong_holder(ids, holder, scene)
     if wrong is None and tree is not None and (twice := tree.drawn_twice(ids)) >= 0:
@@ -125,8 +151,6 @@ def _wrong_numbers(work: object, predicted_ms: object, render_scale: object) -> 
 
 
 def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
-    if ids is candidates:
-        return None
     if wrong := _wrong_range("ids", ids, scene):
         return wrong
     seen = np.zeros(len(scene), dtype=np.bool_)
@@ -161,25 +185,20 @@ def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
     return None
 
 
-def _wrong_detail(ids: IntArray, detail: FloatArray, scene: Scene) -> str | None:
-    levels = scene.types.levels
-    kind = scene.type_index.take(ids)
-    if not levels.continuous.any():
-        good = detail < levels.level_count.take(kind)
-        good &= detail >= 0
-        good &= np.trunc(detail) == detail
-    else:
-        soft = levels.continuous[kind]
-        low = np.where(soft, levels.min_resolution[kind] - 1e-9, 0.0)
-        high = np.where(soft, 1.0, levels.level_count[kind] - 1)
-        good = (detail >= low) & (detail <= high) & (soft | (np.trunc(detail) == detail))
-    if good.all():
+def _wrong_detail(nodes: Nodes, detail: FloatArray) -> str | None:
+    levels = nodes.scene.types.levels
+    good = np.trunc(detail) == detail
+    if levels.continuous.any():
+        good |= levels.continuous.take(nodes.type_at)
+    good &= detail >= nodes.least_detail
+    good &= detail <= nodes.most_detail
+    if np.count_nonzero(good) == len(good):
         return None
     at = int(np.argmin(good))
-    kind_at = int(kind[at])
+    kind_at = int(nodes.type_at[at])
     expected = (
         f"a resolution from {levels.min_resolution[kind_at]:g} to 1"
         if levels.continuous[kind_at]
         else f"a level from 0 to {int(levels.level_count[kind_at]) - 1}"
     )
-    return f"detail of node {int(ids[at])}: expected {expected}, got {detail[at]:g}"
+    return f"detail of node {int(nodes.ids[at])}: expected {expected}, got {detail[at]:g}"

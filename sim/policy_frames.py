@@ -10,17 +10,20 @@ from ..base.errors import InputError, PolicyError
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
+from ..models.scene.motion import Centers
+from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.protocol import Clairvoyant, Policy, Truth
-from ..policies.selection import Selection, find_violation
+from ..policies.selection import Selection
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
 from .frame_timer import FrameTimer
-from .loader import find_not_resident, make_memory
+from .loader import make_memory
 from .pipeline import Pipeline
 from .replay_options import ReplayOptions
+from .selection_check import SelectionCheck
 from .simulated_machine import Machine, SimulatedMachine
 
 _PACE_FRAMES = 10_000
@@ -48,9 +51,9 @@ class PolicyFrames:
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
         self._fovy_rad = math.radians(options.fovy_deg)
-        self._rest_m = np.ascontiguousarray(scene.center_m.T)
-        self._rest_m.flags.writeable = False
+        self._centers = Centers(scene.center_m, scene.motion)
         self._culler = Culler(scene.radius_m, scene.cells)
+        self._nodes = Nodes(self._scene, np.zeros(0, dtype=np.int32))
         self._tree = None if scene.flat else Tree(scene)
         streaming = policy.capabilities.loader and not scene.flat
         bound_bytes = options.memory_bytes or hardware.memory_bytes
@@ -70,6 +73,7 @@ class PolicyFrames:
             policy=name,
             future=future,
         )
+        self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
         self._previous_centers_m: FloatArray | None = None
@@ -102,7 +106,7 @@ class PolicyFrames:
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera
         self._previous_s, self._previous_centers_m = time_ns * 1e-9, view.state.centers_m
-        costs_ns = self._recorder.record(view, selection)
+        costs_ns = self._recorder.record(view, selection, repeats=self._check.repeats)
         # What is wanted is read while the frame is drawn: the next one may have it, not this one.
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
@@ -110,8 +114,9 @@ class PolicyFrames:
     def _show(self, frame: int, time_ns: int) -> View:
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
-        centers_m = self._centers(time_s)
+        centers_m = self._centers.at(time_s)
         ids, xyz_m = self._culler.cull(centers_m, camera)
+        centers_m = centers_m[:3]
         state = FrameState(
             self._scene,
             camera,
@@ -127,7 +132,9 @@ class PolicyFrames:
             self._memory.resident,
             self._previous_centers_m,
         )
-        view = View(state, ids, xyz_m)
+        if ids is not self._nodes.ids:
+            self._nodes = Nodes(self._scene, ids)
+        view = View(state, ids, xyz_m, self._nodes)
         if self._tree is None:
             return view
         roots = self._scene.roots
@@ -157,14 +164,6 @@ class PolicyFrames:
             self._fovy_rad,
         )
 
-    def _centers(self, time_s: float) -> FloatArray:
-        motion = self._scene.motion
-        if motion is None:
-            return self._rest_m
-        centers_m = self._rest_m.copy()
-        centers_m[:, motion.node] += motion.offset_m(time_s).T
-        return centers_m
-
     def _select(self, view: View, truth: Truth | None) -> Selection:
         try:
             if self._oracle is not None and truth is not None:
@@ -172,8 +171,7 @@ class PolicyFrames:
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
             raise PolicyError(self._name, view.frame, _describe(error)) from error
-        violation = find_violation(selection, view.ids, self._scene, self._tree)
-        violation = violation or find_not_resident(selection, view)
+        violation = self._check.find_violation(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection

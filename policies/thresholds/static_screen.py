@@ -15,26 +15,30 @@ from ..shared.ranges import Fraction, NotNegative, Positive, check_parameters
 from ..view import View
 
 
-def screen_height(view: View) -> FloatArray:
+def screen_height(view: View, bias: float = 1.0) -> FloatArray:
     """Return each bounding sphere's diameter over the height of the screen at its distance, (m,).
 
-    Unity's ``size / (distance · 2 tan(fov / 2))`` before its LOD bias; where the vertical field of
+    Unity's ``size / (distance · 2 tan(fov / 2))``, times its LOD bias; where the vertical field of
     view is the narrower one it is also Unreal's screen size.  The distance is at least the radius,
     so that a sphere around the eye has a finite height.
     """
     camera = view.camera
-    scale = 2.0 * camera.focal_px / camera.height_px
-    return scale * view.radius_m / np.maximum(view.distance_m, view.radius_m)
+    height = np.maximum(view.distance_m, view.radius_m)
+    np.divide(view.radius_m, height, out=height)
+    height *= 2.0 * camera.focal_px / camera.height_px * bias
+    return height
 
 
 def screen_level(
     height: FloatArray, coarsest: FloatArray, first: float, ratio: float
 ) -> FloatArray:
     """Return the level whose threshold a height still reaches: ``first · ratio^level``, (m,)."""
-    level = np.log(height / first)
+    level = height / first
+    np.log(level, out=level)
     level /= math.log(ratio)
     np.ceil(level, out=level)
-    return np.clip(level, 0.0, coarsest, out=level)
+    np.maximum(level, 0.0, out=level)
+    return np.minimum(level, coarsest, out=level)
 
 
 @dataclass
@@ -68,9 +72,8 @@ class StaticScreen:
         return Claims(settles_frames=0, hysteresis=self.hysteresis > 0.0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
-        """Check parameters and note each type's coarsest level."""
+        """Check parameters."""
         check_parameters(self, "static-screen")
-        self._coarsest = scene.types.levels.level_count.astype(np.float64) - 1.0
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
@@ -78,18 +81,17 @@ class StaticScreen:
 
     def select_biased(self, view: View, bias: float) -> Selection:
         """Return a level for every candidate under another bias than the policy's own."""
-        table = view.scene.types.levels
-        height = screen_height(view)
-        height *= bias
-        coarsest = self._coarsest[view.type_index]
+        table, nodes = view.scene.types.levels, view.nodes
+        height = screen_height(view, bias)
+        coarsest = nodes.coarsest_level
         level = screen_level(height, coarsest, self.first, self.ratio)
         if self.hysteresis:
-            before = level_of_detail(table, view.type_index, view.previous_detail)
-            height -= self.hysteresis
-            np.maximum(height, 1e-9, out=height)
-            late = screen_level(height, coarsest, self.first, self.ratio)
-            # Finer only if it would be with the margin taken off too; NaN compares false.
-            hold = level < before
-            level[hold] = np.minimum(late, before)[hold]
-        detail = detail_of_level(table, view.type_index, level)
+            before = level_of_detail(table, nodes.type_index, view.previous_detail)
+            # Only where it would become finer, and only as far as it would with the margin taken
+            # off too.  NaN, never drawn before, compares false.
+            at = (level < before).nonzero()[0]
+            lower = np.maximum(height.take(at) - self.hysteresis, 1e-9)
+            late = screen_level(lower, coarsest.take(at), self.first, self.ratio)
+            level[at] = np.minimum(late, before.take(at))
+        detail = detail_of_level(table, nodes.type_index, level)
         return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
