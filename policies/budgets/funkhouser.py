@@ -9,7 +9,7 @@ from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import Offer, make_choices, require_costs
+from ..shared.choices import make_choices, require_costs
 from ..shared.level_hulls import LevelHulls, make_level_hulls
 from ..shared.ranges import BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
 from ..shared.v_time import VTime

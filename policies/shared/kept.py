@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from ...base.arrays import IntArray
+import numpy as np
+
 from ..view import View
 
 T = TypeVar("T")
@@ -18,14 +19,14 @@ class Kept(Generic[T]):
     def __init__(self, gather: Callable[[View], T]) -> None:
         """Take how to make the value."""
         self._gather = gather
-        self._ids: IntArray | None = None
+        self._ids = np.zeros(0, dtype=np.int32)
         self._value: T | None = None
 
     def of(self, view: View) -> T:
         """Return the value for a view."""
         ids, last, value = view.ids, self._ids, self._value
         # By their values, because an array may be a buffer that every frame is written into.
-        if value is None or last is None or len(ids) != len(last) or (ids != last).any():
+        if value is None or len(ids) != len(last) or (ids != last).any():
             value = self._value = self._gather(view)
             self._ids = ids.copy()
         return value

@@ -1,6 +1,6 @@
 """The greedy cut: items by falling key while they fit a budget, mostly without sorting them.
 
-Between frames the key at which the budget is used up moves little.  So everything well above its
+Between frames the key at which the budget is used up moves little.  So what stands well above its
 last place is taken by one comparison, and only what is near it is sorted.
 """
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 
-_SPREAD = 1.05
-"""Factor about the last place within which the cut is looked for first."""
+_NEAR = 1.05  # factor about the last place within which the cut is looked for first
+_FAR = 4.0  # factor by which it is looked for further away
 
 
 class Cut(NamedTuple):
@@ -32,10 +32,11 @@ class Cut(NamedTuple):
 
 
 class FallingCut:
-    """Cuts one set of items after another, each near the place of the cut before."""
+    """Cuts one set of items after another, each near the key at which the last one was cut."""
 
     def __init__(self) -> None:
-        self._place = 0.0
+        self._key = 0.0
+        self._fitted = True
 
     def take(self, key: FloatArray, cost: FloatArray, budget: float) -> Cut:
         """Return the items of positive key, (k,), by falling key up to the first that does not fit.
@@ -43,27 +44,42 @@ class FallingCut:
         Of equal keys the one that stands first in the arrays goes first.  Neither costs nor the
         budget are negative.
         """
-        # At 0 everything fitted the last time: it is asked at once whether it does again.
-        high, low = self._place * _SPREAD, self._place / _SPREAD
-        taken = key > high
-        spent = float((cost * taken).sum())
-        if spent > budget:
-            # The cut is higher than it was: below `high` nothing is taken, above not everything.
-            parts, taken, spent = [taken], np.zeros(len(key), dtype=np.bool_), 0.0
-        else:
-            near = (key > low) & ~taken
-            parts = [near, (key > 0.0) & ~(near | taken)] if low > 0.0 else [near]
-        first_left = -1
-        for part in parts:
-            at = part.nonzero()[0]
-            at = at[np.argsort(-key[at], kind="stable")]
-            total = np.cumsum(cost[at])
-            # `right`, because a sum that equals what is left still fits.
-            count = int(np.searchsorted(total, budget - spent, side="right"))
-            taken[at[:count]] = True
-            spent += float(total[count - 1]) if count else 0.0
-            if count < len(at):
-                first_left = int(at[count])
-                break
-        self._place = float(key[first_left]) if first_left >= 0 else 0.0
-        return Cut(taken, spent, first_left)
+        asked = self._fitted
+        if asked and (everything := _above(0.0, key, cost)).spent <= budget:
+            return everything
+        high = _NEAR * (self._key or float(key.max()))
+        low = high / _NEAR**2
+        above = _above(high, key, cost)
+        while above.spent > budget:
+            low, high = high, _FAR * high
+            above = _above(high, key, cost)
+        more = _above(low, key, cost)
+        if more.spent <= budget and not asked:
+            self._fitted = (everything := _above(0.0, key, cost)).spent <= budget
+            if self._fitted:
+                return everything
+        while more.spent <= budget:
+            above, low = more, low / _FAR
+            more = _above(low, key, cost)
+        return self._between(above, more, key, cost, budget)
+
+    def _between(
+        self, above: Cut, more: Cut, key: FloatArray, cost: FloatArray, budget: float
+    ) -> Cut:
+        """Return the cut, where what is above fits and more does not."""
+        at = (above.taken ^ more.taken).nonzero()[0]
+        at = at[np.argsort(-key[at], kind="stable")]
+        total = np.cumsum(cost[at])
+        total += above.spent
+        # `right`, because a sum that equals what is left still fits.  Not everything does, even
+        # where sums in this order say so by their last bits.
+        count = min(int(np.searchsorted(total, budget, side="right")), len(at) - 1)
+        above.taken[at[:count]] = True
+        spent = float(total[count - 1]) if count else above.spent
+        self._key, self._fitted = float(key[at[count]]), False
+        return Cut(above.taken, spent, int(at[count]))
+
+
+def _above(least: float, key: FloatArray, cost: FloatArray) -> Cut:
+    taken = key > least
+    return Cut(taken, float((cost * taken).sum()), -1)
