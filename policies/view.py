@@ -189,9 +189,7 @@ class View:
         if centers_m is None:
             centers_m = self.state.centers_m
         old = before.to_camera(centers_m.take(self.nodes.at, axis=1))
-        sine = np.linalg.norm(np.cross(old, self.xyz_m, axis=0), axis=0)
-        cosine = np.einsum("ij,ij->j", old, self.xyz_m)
-        return np.degrees(np.arctan2(sine, cosine)) / step_s
+        return _angle_deg(old, self.xyz_m) / step_s
 
     @per_node
     def previous_detail(self) -> FloatArray:
@@ -210,3 +208,22 @@ class View:
         if everything is None:
             return np.ones(len(self.ids), dtype=np.bool_)
         return everything.take(self.nodes.at)
+
+
+def _angle_deg(old: FloatArray, new: FloatArray) -> FloatArray:
+    """Return the angles between directions, (3, m) each, (m,)."""
+    a, b, c = old
+    x, y, z = new
+    # The length of the cross product, one component after the other in the same three buffers.
+    side, other = b * z, np.empty(len(a))
+    side -= np.multiply(c, y, out=other)
+    sine = side * side
+    for p, q, r, s in ((c, x, a, z), (a, y, b, x)):
+        np.multiply(p, q, out=side)
+        side -= np.multiply(r, s, out=other)
+        sine += np.multiply(side, side, out=side)
+    np.sqrt(sine, out=sine)
+    cosine = np.multiply(a, x, out=side)
+    cosine += np.multiply(b, y, out=other)
+    cosine += np.multiply(c, z, out=other)
+    return np.degrees(np.arctan2(sine, cosine, out=sine), out=sine)
