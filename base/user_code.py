@@ -2,6 +2,7 @@
 
 A file is loaded under a module name made of its path and content.  So two files of one name live
 side by side, an edited file is loaded anew, and what was made before the edit keeps its class.
+Pickles hold the file's source, so that they load on machines that do not have the file.
 """
 
 import hashlib
@@ -11,10 +12,14 @@ import io
 import pickle
 import re
 import sys
+from collections.abc import Callable
+from importlib.abc import SourceLoader
 from operator import attrgetter
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+
+import cloudpickle
 
 from .errors import InputError
 from .nearest_names import unknown_name
@@ -42,22 +47,37 @@ def load_object(text: str, what: str) -> object:
     return getattr(module, name)
 
 
-def pickle_for_worker(value: object) -> bytes:
-    """Return the pickle of a value, which loads users' files wherever it is unpickled."""
+def pickle_for_worker(
+    value: object, buffer_callback: Callable[[pickle.PickleBuffer], Any] | None = None
+) -> bytes:
+    """Return the pickle of a value, which finds users' code wherever it is unpickled.
+
+    A class or function of a user's file takes the file's source along, one of an installed module
+    is found by name, and any other, as of a script, a notebook or a function, travels by value.
+
+    Parameters
+    ----------
+    buffer_callback
+        Takes the arrays, which are then no part of the pickle (see `pickle.Pickler`).
+    """
     buffer = io.BytesIO()
-    _Pickler(buffer, protocol=5).dump(value)
+    _Pickler(buffer, protocol=5, buffer_callback=buffer_callback).dump(value)
     return buffer.getvalue()
 
 
 def _load_file(path: Path, what: str) -> ModuleType:
     if not path.is_file():
         raise InputError(f"expected a Python file with a {what}, got no file", path=path)
-    name = _module_name(path)
+    source = path.read_bytes()
+    return _load_source(_module_name(path, source), str(path), source)
+
+
+def _load_source(name: str, path: str, source: bytes) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None, "a .py file has a loader"
-    assert spec.loader is not None, "a .py file has a loader"
+    spec = importlib.util.spec_from_loader(name, _Source(path, source))
+    assert spec is not None, "a loader of sources says what it loads"
+    assert spec.loader is not None, "the one that it was made with"
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look their module up while it is executed
     try:
@@ -73,26 +93,38 @@ def _load_file(path: Path, what: str) -> ModuleType:
     return module
 
 
-class _Pickler(pickle.Pickler):
-    """Refers to a class or function of a user's file by its path: no import would lead there."""
+class _Source(SourceLoader):
+    """Loads a file as it was when it was read: it may be edited, or be on another machine."""
+
+    def __init__(self, path: str, source: bytes) -> None:
+        self.path, self.source = path, source
+
+    def get_filename(self, fullname: str) -> str:
+        return self.path
+
+    def get_data(self, path: str) -> bytes:
+        return self.source
+
+
+class _Pickler(cloudpickle.Pickler):
+    """Takes the source of users' files along: no import would lead to them."""
 
     def reducer_override(self, obj: Any) -> Any:
-        if not isinstance(obj, (type, FunctionType)):
-            return NotImplemented
-        if not str(obj.__module__).startswith(_PREFIX):
-            return NotImplemented
-        file = sys.modules[obj.__module__].__file__
-        assert file is not None, "a user's module is of a file"
-        return _find_in_file, (str(Path(file).resolve()), obj.__qualname__)
+        if isinstance(obj, (type, FunctionType)):
+            loader = getattr(sys.modules.get(obj.__module__), "__loader__", None)
+            if isinstance(loader, _Source):
+                name = obj.__qualname__
+                return _find_in_source, (obj.__module__, loader.path, loader.source, name)
+        return super().reducer_override(obj)
 
 
-def _find_in_file(path: str, name: str) -> object:
-    return attrgetter(name)(_load_file(Path(path), "name"))
+def _find_in_source(module: str, path: str, source: bytes, name: str) -> object:
+    return attrgetter(name)(_load_source(module, path, source))
 
 
-def _module_name(path: Path) -> str:
+def _module_name(path: Path, source: bytes) -> str:
     digest = hashlib.sha256(str(path.resolve()).encode())
-    digest.update(path.read_bytes())
+    digest.update(source)
     stem = re.sub(r"\W", "_", path.stem)
     return f"{_PREFIX}{stem}_{digest.hexdigest()[:12]}"
 

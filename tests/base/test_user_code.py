@@ -45,6 +45,31 @@ def test_another_process_finds_the_file(tmp_path: Path) -> None:
     assert run.stdout.split() == [b"7", b"Inner"], run.stderr
 
 
+def test_the_source_travels_with_the_object(tmp_path: Path) -> None:
+    """A pickle loads where the file never was; its class keeps its lines, and is made once."""
+    path = tmp_path / "mine.py"
+    mine = mine_of(path, 7)
+    data = pickle_for_worker([mine(), mine, mine.Inner])
+    path.unlink()
+    script = (
+        "import inspect, pickle, sys; data = sys.stdin.buffer.read()\n"
+        "(one, cls, _), again = pickle.loads(data), pickle.loads(data)\n"
+        "print(one.value, again[1] is cls, inspect.getsource(cls).splitlines()[1].strip())"
+    )
+    run = subprocess.run([sys.executable, "-c", script], input=data, capture_output=True)
+    assert run.stdout.decode().split() == ["7", "True", "value", "=", "7"], run.stderr
+
+
+def test_what_is_pickled_is_what_was_loaded(tmp_path: Path) -> None:
+    """An edit after loading reaches neither the class nor its pickles."""
+    mine = mine_of(tmp_path / "mine.py", 1)
+    (tmp_path / "mine.py").write_text("1 / 0\n", encoding="utf-8")
+    data = pickle_for_worker(mine)
+    script = "import pickle, sys; print(pickle.load(sys.stdin.buffer).value)"
+    run = subprocess.run([sys.executable, "-c", script], input=data, capture_output=True)
+    assert run.stdout.split() == [b"1"], run.stderr
+
+
 def test_errors_of_input_travel_between_processes() -> None:
     """An error that is raised in a worker arrives whole, with its path and line."""
     error = pickle.loads(pickle.dumps(InputError("expected x", path="a.py", line=3)))

@@ -1,0 +1,112 @@
+"""What a Dask worker does for a study.
+
+It runs no policy and unpickles nothing of a user: tasks pass through it closed, to a process of
+their own as on a single machine.
+"""
+
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ....base.errors import InputError
+from ....policies.registry import register_policy
+from .limits import Limits, available_bytes
+from .sent_inputs import SentInputs
+from .task import Beat, Inputs, Outcome, Task
+from .versions import Versions, describe_difference, versions_here
+
+_SHARE = 0.8
+"""Of a Dask worker's memory: what the processes beside its threads may have together."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedTask:
+    """A task whose pickle is opened where it is carried out.
+
+    Attributes
+    ----------
+    owner, result_type : of the task
+    data : bytes
+        Its pickle.
+    registered : mapping of str to bytes
+        Pickles of a user's policies, by name.
+    """
+
+    owner: str
+    result_type: Any
+    data: bytes
+    registered: Mapping[str, bytes]
+
+    def __call__(self, inputs: Inputs, beat: Beat) -> Any:
+        """Carry out the task (see `Task`)."""
+        for name, data in self.registered.items():
+            register_policy(name, pickle.loads(data))  # noqa: S301 - from the client
+        try:
+            task: Task = pickle.loads(self.data)  # noqa: S301 - from the client
+        except ImportError as error:
+            raise InputError(
+                f"policy {self.owner}: expected code that the cluster's machines have, got "
+                f"{error}; install it there, or name the policy as file.py:Class"
+            ) from error
+        return task(inputs, beat)
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What a Dask worker is asked for: tasks of one owner, by versions that are the client's."""
+
+    owner: str
+    tasks: tuple[ClosedTask, ...]
+    stop: bool
+    limits: Limits
+    versions: Versions
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What became of a batch; with a refusal it was not carried out, or not to the end."""
+
+    outcomes: list[Outcome] = field(default_factory=list[Outcome])
+    refusal: InputError | None = None
+
+
+def carry_out(sent: SentInputs, batch: Batch) -> Answer:
+    """Carry out a batch in a process of this machine."""
+    difference = describe_difference(batch.versions, versions_here())
+    if difference:
+        return Answer(refusal=InputError(mismatch(difference)))
+    limits = batch.limits
+    if limits.memory_bytes is None:
+        limits = replace(limits, memory_bytes=_bytes_for_a_thread())
+    answer = Answer()
+    try:
+        with sent.engine(batch.owner, limits) as engine:
+            for outcome in engine.run(batch.tasks, stop=batch.stop):
+                answer.outcomes.append(outcome)
+                if sent.abandoned:
+                    break
+    except InputError as error:
+        return replace(answer, refusal=error)
+    return answer
+
+
+def mismatch(difference: str) -> str:
+    """Return what to say of a worker that would not give the bytes that the client would."""
+    return (
+        f"--scheduler: expected workers with the same versions as here, got {difference}; "
+        "install the same there, and restart the workers"
+    )
+
+
+def _bytes_for_a_thread() -> int:
+    """Return the memory that each thread's process may have.
+
+    The memory limit of a Dask worker is shared among its threads; without one, what is available.
+    """
+    from distributed import get_worker
+
+    worker: Any = get_worker()
+    limit: Any = worker.memory_manager.memory_limit
+    bytes_ = available_bytes() if not limit else min(int(limit), available_bytes())
+    return max(int(_SHARE * bytes_ / worker.state.nthreads), 2**26)

@@ -1,0 +1,258 @@
+"""Studies on a Dask cluster: the results of one machine, and what becomes of what is lost."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
+from typing import Any
+
+import dask
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+from lodbench.analysis.study.engine import dask_engine
+from lodbench.analysis.study.engine.dask_engine import DaskEngine
+from lodbench.analysis.study.engine.limits import Limits
+from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.engine.task import Outcome
+from lodbench.base.user_code import load_object
+
+pytestmark = pytest.mark.slow
+
+INPUTS = {"ramp": np.arange(1000.0)}
+
+TASKS = '''
+import ctypes, os, signal, time
+from dataclasses import dataclass
+from pathlib import Path
+
+@dataclass(frozen=True)
+class Add:
+    """The sum of the ramp and a number, or whatever else `do` says."""
+    owner: str
+    number: int
+    do: str = ""
+    where: str = ""
+    result_type = tuple[float, int, str]
+
+    def __call__(self, inputs, beat):
+        beat(0)
+        beat(self.number)
+        if self.do == "exit":
+            os._exit(0)
+        if self.do == "hang":
+            time.sleep(1000)
+        if self.do == "crash":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if self.do == "raise":
+            raise KeyError(self.number)
+        if self.do == "nap":
+            time.sleep(0.2)
+        if self.do == "wait":
+            Path(self.where, f"{self.number}-{os.getpid()}").touch()
+            while not Path(self.where, "go").exists():
+                time.sleep(0.02)
+        if self.do == "kill":
+            os.kill(int(Path(self.where, "worker").read_text()), signal.SIGKILL)
+            time.sleep(1000)
+        return float(inputs["ramp"].sum()) + self.number, os.getpid(), os.getcwd()
+'''
+"""A user's file, that no worker has."""
+
+
+@pytest.fixture
+def add(tmp_path: Path) -> Any:
+    """Return the class of tasks, whose file has been removed."""
+    path = tmp_path / "tasks.py"
+    path.write_text(TASKS, encoding="utf-8")
+    cls = load_object(f"{path}:Add", "task")
+    path.unlink()
+    return cls
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Generator[LocalCluster]:
+    """Yield a cluster of two workers with a thread each, as `dask worker` starts them."""
+    with start_cluster(tmp_path_factory.mktemp("dask")) as started:
+        yield started
+
+
+def start_cluster(folder: Path, n_workers: int = 2, **options: Any) -> LocalCluster:
+    """Start a cluster of processes under nannies."""
+    return LocalCluster(
+        processes=True,
+        n_workers=n_workers,
+        threads_per_worker=1,
+        dashboard_address=":0",  # any free port: several clusters run at once
+        local_directory=str(folder),
+        **options,
+    )
+
+
+def by_index(outcomes: Sequence[Outcome]) -> list[tuple[int, Any, str]]:
+    """Return what the engines have to agree on, in the order of tasks."""
+    ordered = sorted(outcomes, key=lambda outcome: outcome.index)
+    return [(o.index, o.result and o.result[0], str(o.failure)) for o in ordered]
+
+
+def wait_for(condition: Callable[[], Any], seconds: float = 20.0) -> Any:
+    """Return the first true value of a condition."""
+    until = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.05)
+    return value
+
+
+def ended(pid: int) -> bool:
+    """Whether a process is gone or waits to be buried."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_outcomes_are_those_of_one_machine(cluster: LocalCluster, add: Any) -> None:
+    """Three owners, one of which fails in its fourth task; with and without stopping there."""
+    tasks = [add(f"owner-{i % 3}", i, "raise" if i in {10, 16} else "") for i in range(60)]
+    for stop in (True, False):
+        with LocalEngine(INPUTS, 2) as engine:
+            local = by_index(list(engine.run(tasks, stop=stop)))
+        with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+            assert by_index(list(engine.run(tasks, stop=stop))) == local
+            assert by_index(list(engine.run(tasks[:4], stop=stop))) == local[:4]
+        assert len(local) == (44 if stop else 60)
+        assert local[10] == (10, None, "frame 10: KeyError: 10")
+        assert local[2] == (2, 499_502.0, "None")
+
+
+def test_a_hostile_policy_fails_alone(cluster: LocalCluster, add: Any) -> None:
+    """Each ends or hangs its own process; the Dask workers live, and the others are finished."""
+    tasks = [
+        *(add("good", i) for i in range(20)),
+        *(add(do, 3, do) for do in ("exit", "crash", "hang")),
+    ]
+    with Client(cluster) as client:
+        before = set(client.nthreads())
+        with DaskEngine(INPUTS, cluster.scheduler_address, Limits(timeout_s=1.0)) as engine:
+            found = by_index(list(engine.run(tasks)))
+        assert set(client.nthreads()) == before
+    assert [failure for _, _, failure in found[20:]] == [
+        "frame 3: process ended with status 0 before its result",
+        "frame 3: process ended by SIGSEGV",
+        "frame 3: no frame for 1 s (--policy-timeout)",
+    ]
+    assert [result for _, result, _ in found[:20]] == [499_500.0 + i for i in range(20)]
+
+
+def test_no_two_owners_share_a_process_and_no_policy_runs_in_a_dask_worker(
+    cluster: LocalCluster, add: Any
+) -> None:
+    """Pids of tasks are those of neither workers nor another owner's, and few for one owner."""
+    tasks = [add(f"owner-{i // 30}", i) for i in range(90)]
+    with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+        outcomes = list(engine.run(tasks))
+    pids = [{o.result[1] for o in outcomes if o.index // 30 == owner} for owner in range(3)]
+    workers = {worker.pid for worker in cluster.workers.values()}
+    assert not pids[0] & pids[1]
+    assert not (pids[0] | pids[1]) & pids[2]
+    assert not workers & (pids[0] | pids[1] | pids[2])
+    assert max(map(len, pids)) <= 4
+    wait_for(lambda: all(ended(pid) for owner in pids for pid in owner))
+
+
+def test_a_study_that_is_left_leaves_nothing_running(cluster: LocalCluster, add: Any) -> None:
+    """Of an engine that is left in the middle, all processes end, though they would hang."""
+    hanging = [add("quick", 0), *(add(f"owner-{i}", i, "hang") for i in range(4))]
+    with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+        outcomes = engine.run(hanging)
+        next(outcomes)
+        wait_for(lambda: len(workers_of(cluster)) == 2)
+        outcomes.close()
+    wait_for(lambda: not workers_of(cluster), 5.0)
+
+
+def workers_of(cluster: LocalCluster) -> list[int]:
+    """Return the pids of processes that Dask workers have started and that carry out tasks."""
+    servers = [child for nanny in cluster.workers.values() for child in children_of(nanny.pid)]
+    minders = [child for server in servers for child in children_of(server)]
+    return [child for minder in minders for child in children_of(minder)]
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the pids of a process's children."""
+    found: list[int] = []
+    for path in Path(f"/proc/{pid}/task").glob("*/children"):
+        found += map(int, path.read_text().split())
+    return found
+
+
+def test_few_tasks_are_on_their_way_at_a_time(cluster: LocalCluster, add: Any) -> None:
+    """Of 2,000 tasks, no more futures than twice the threads of the cluster, whatever they take."""
+    tasks = [add("owner", i) for i in range(2000)]
+    most = 0
+    with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+        told = 0
+        for _ in engine.run(tasks):
+            told += 1
+            most = max(most, len(engine._flying))
+    assert told == 2000
+    assert 1 <= most <= dask_engine._AHEAD * 2
+
+
+def test_what_a_killed_worker_did_is_done_again(tmp_path: Path, add: Any) -> None:
+    """Its runs in flight come back from elsewhere, and its processes end with it."""
+    tasks = [add("owner", i, "wait", str(tmp_path)) for i in range(6)]
+    with (
+        start_cluster(tmp_path / "dask") as cluster,
+        DaskEngine(INPUTS, cluster.scheduler_address) as engine,
+    ):
+        outcomes = engine.run(tasks)
+        first: list[Outcome] = []
+
+        def begun() -> list[Path]:
+            return [path for path in tmp_path.iterdir() if "-" in path.name]
+
+        thread = threading.Thread(target=lambda: first.extend(outcomes))
+        thread.start()
+        wait_for(lambda: len(begun()) == 2)
+        victims = {int(path.name.partition("-")[2]) for path in begun()}
+        os.kill(cluster.workers[0].pid, signal.SIGKILL)
+        wait_for(lambda: sum(map(ended, victims)) == 1)
+        (tmp_path / "go").touch()
+        thread.join(60.0)
+        assert by_index(first) == [(i, 499_500.0 + i, "None") for i in range(6)]
+
+
+def test_a_worker_that_comes_late_helps(tmp_path: Path, add: Any) -> None:
+    """It gets the inputs on its first task; the only thread of each worker has one process."""
+    tasks = [add("owner", i, "nap") for i in range(60)]
+    with (
+        start_cluster(tmp_path / "dask", n_workers=1) as cluster,
+        DaskEngine(INPUTS, cluster.scheduler_address) as engine,
+    ):
+        outcomes = engine.run(tasks)
+        found = [next(outcomes)]
+        cluster.scale(2)
+        found += outcomes
+    assert by_index(found) == [(i, 499_500.0 + i, "None") for i in range(60)]
+    assert len({outcome.result[1] for outcome in found}) == 2
+
+
+def test_a_task_that_ends_every_worker_fails(tmp_path: Path, add: Any) -> None:
+    """Where the machine itself ends under a task, it is that task's failure after some tries."""
+    tasks = [*(add("good", i) for i in range(8)), add("bad", 1, "kill", str(tmp_path))]
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        start_cluster(tmp_path / "dask", n_workers=1) as cluster,
+        DaskEngine(INPUTS, cluster.scheduler_address) as engine,
+    ):
+        good = list(engine.run(tasks[:8]))
+        (tmp_path / "worker").write_text(str(cluster.workers[0].pid))
+        outcomes = list(engine.run(tasks))
+    assert by_index(outcomes)[:8] == by_index(good)
+    (failure,) = [o.failure for o in outcomes if o.index == 8]
+    assert str(failure).startswith("reset: Dask workers ended one after the other")
