@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from selectors import EVENT_READ, EVENT_WRITE, DefaultSelector
 from typing import Any, Self
@@ -24,6 +25,10 @@ from .worker import here
 _TICK_S = 0.1
 _GRACE_S = 1.0
 _STARTS = 3
+_FROM_OUTSIDE = {-signal.SIGKILL, None}
+"""How a worker ends that somebody else kills, or its minder; a policy may do the same to it..."""
+_REPEATS = 2
+"""...and so its run is repeated, but not for ever."""
 _SLACK_BYTES = 2**27
 """Of the interpreter and its modules, which the size of a process holds too."""
 
@@ -57,6 +62,7 @@ class LocalEngine:
         self._printed: dict[str, bytes] = {}
         self._memory_bytes = 0
         self._failed_starts = 0
+        self._killed = Counter[int]()
 
     def __enter__(self) -> Self:
         return self
@@ -77,6 +83,7 @@ class LocalEngine:
     def run(self, tasks: Sequence[Task], *, stop: bool = True) -> Iterator[Outcome]:
         """Yield what became of each task (see `Engine`)."""
         schedule = Schedule([task.owner for task in tasks], stop=stop)
+        self._killed.clear()
         if self._shared is None:
             given = self._inputs
             self._shared = given if isinstance(given, SharedInputs) else SharedInputs(given)
@@ -235,11 +242,15 @@ class LocalEngine:
             if self._failed_starts >= _STARTS:
                 raise InputError("workers: expected processes that start, got none; ask for fewer")
         elif worker.queue and task in (-1, worker.queue[0]):
-            if not reason or (worker.status is not None and time.monotonic() < when):
-                reason = _how_it_ended(worker.status)
-            index = worker.queue.popleft()
-            frame, _ = worker.heart.read(index)
-            found.append(Outcome(index, None, Failure("failed", reason, frame)))
+            index = worker.queue[0]
+            if not reason and worker.status in _FROM_OUTSIDE and self._killed[index] < _REPEATS:
+                self._killed[index] += 1  # and given back with the rest of the queue
+            else:
+                if not reason or (worker.status is not None and time.monotonic() < when):
+                    reason = _how_it_ended(worker.status)
+                worker.queue.popleft()
+                frame, _ = worker.heart.read(index)
+                found.append(Outcome(index, None, Failure("failed", reason, frame)))
         schedule.give_back(worker.queue)
         worker.close()
         return found
