@@ -152,10 +152,8 @@ def _fps_low_mean(sample: Sample, x: FloatArray, share: float) -> FloatArray:
     least = _quantile(sample, x, 1.0 - share, median_unbiased=True)
     fps = np.full(len(drawn), np.nan)
     for at, threshold in enumerate(least.tolist()):
-        row = drawn[at]
         start = int(values.searchsorted(threshold))
-        before = int(row[start - 1]) if start else 0
-        times: IntArray = np.diff(row[start:], prepend=before)
+        times: IntArray = np.diff(drawn[at], prepend=0)[start:]
         if len(times):
             fps[at] = 1e3 * times.sum() / float((times * values[start:]).sum())
     return fps
