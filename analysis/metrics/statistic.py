@@ -151,8 +151,8 @@ def _fps_low_mean(sample: Sample, x: FloatArray, share: float) -> FloatArray:
     values, drawn = sample.ordered(x)
     least = _quantile(sample, x, 1.0 - share, median_unbiased=True)
     fps = np.full(len(drawn), np.nan)
-    for at, threshold in enumerate(least.tolist()):
-        start = int(values.searchsorted(threshold))
+    for at, threshold in enumerate(map(float, least)):
+        start = int(np.searchsorted(values, threshold))
         times: IntArray = np.diff(drawn[at], prepend=0)[start:]
         if len(times):
             fps[at] = 1e3 * times.sum() / float((times * values[start:]).sum())
