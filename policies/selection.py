@@ -11,6 +11,8 @@ from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 
+_ROUNDING = 1e-9  # by which a resolution may miss that of the coarsest level
+
 
 @dataclass(frozen=True, slots=True)
 class Work:
@@ -188,10 +190,12 @@ def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
 def _wrong_detail(nodes: Nodes, detail: FloatArray) -> str | None:
     levels = nodes.scene.types.levels
     good = np.trunc(detail) == detail
+    good &= detail >= 0.0
+    good &= detail <= nodes.coarsest_level
     if levels.continuous.any():
-        good |= levels.continuous.take(nodes.type_at)
-    good &= detail >= nodes.least_detail
-    good &= detail <= nodes.most_detail
+        low = levels.min_resolution.take(nodes.type_at) - _ROUNDING
+        soft = levels.continuous.take(nodes.type_at)
+        good = np.where(soft, (detail >= low) & (detail <= 1.0), good)
     if np.count_nonzero(good) == len(good):
         return None
     at = int(np.argmin(good))

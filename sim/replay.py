@@ -53,7 +53,9 @@ def replay(
         options.memory_bytes or hardware.memory_bytes,
         policy.capabilities.future,
     )
-    columns = [np.frombuffer(getattr(pipeline, name), dtype=np.int64) for name in TIMES]
-    times_ns = np.stack(columns, axis=1)
-    np.maximum(times_ns, -1, out=times_ns)
+    times_ns = np.empty((len(pipeline.input_ns), len(TIMES)), dtype=np.int64)
+    for column, time in enumerate(TIMES):
+        np.maximum(
+            np.frombuffer(getattr(pipeline, time), dtype=np.int64), -1, out=times_ns[:, column]
+        )
     return FrameLog(header, times_ns, frames.counts())

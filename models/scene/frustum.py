@@ -8,7 +8,7 @@ from ...base.arrays import BoolArray, FloatArray, IntArray
 from .camera import Camera
 from .cells import Cells
 
-_BLOCK = 8_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
+_BLOCK = 4_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
 _PLANES = 5  # left, right, bottom, top and near
 
 

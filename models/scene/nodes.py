@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from ...base.arrays import FloatArray, IntArray
 from .scene import Scene
 
-_ROUNDING = 1e-9  # by which a resolution may miss that of the coarsest level
-
 
 class _PerNode:
     """An array that is computed when first asked for, then kept, read-only.
@@ -115,22 +113,9 @@ class Nodes:
     @per_node
     def finest_row(self) -> NDArray[np.intp]:
         """Row of the level table of each node's finest level, (m,)."""
-        return self.scene.types.levels.start.astype(np.intp).take(self.type_at)
+        return self.scene.finest_row.take(self.at)
 
     @per_node
     def coarsest_level(self) -> FloatArray:
         """Index of each node's coarsest level, or knot, (m,) float64."""
-        return (self.scene.types.levels.level_count - 1.0).take(self.type_at)
-
-    @per_node
-    def least_detail(self) -> FloatArray:
-        """Smallest number by which a selection may call a level of each node, (m,)."""
-        levels = self.scene.types.levels
-        low = np.where(levels.continuous, levels.min_resolution - _ROUNDING, 0.0)
-        return low.take(self.type_at)
-
-    @per_node
-    def most_detail(self) -> FloatArray:
-        """Largest number by which a selection may call a level of each node, (m,)."""
-        levels = self.scene.types.levels
-        return np.where(levels.continuous, 1.0, levels.level_count - 1.0).take(self.type_at)
+        return self.scene.coarsest_level.take(self.at)

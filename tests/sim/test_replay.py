@@ -50,7 +50,7 @@ def test_apparent_speed_of_a_moving_node(
         return selection
 
     run(scripted([0], watch), 2, scene=scene, hardware=make_hardware({}, cpu_base_ms=100.0))
-    offset = motion.offset_m(0.1)[0]
+    offset = motion.offset_m(0.1)[:, 0]
     angle = math.degrees(math.atan2(math.hypot(offset[0], offset[1]), 10.0))
     assert seen == pytest.approx([0.0, angle / 0.1])
 
