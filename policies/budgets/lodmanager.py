@@ -208,7 +208,13 @@ class LodManager:
         """Let the objects at these positions have their turns."""
         levels, node, kind = self._levels, seen.ids[order], seen.type_index[order]
         detail = self._detail(seen.scene.types.levels, kind, lod, slot)
-        inside, shares = seen.inside[order], self._shares[kind]
+        inside = seen.state.inside[node]
+        if not self._any_shares:
+            # Whoever has a turn here needs another level, and nobody lends.
+            at = inside.nonzero()[0]
+            levels.extract(node[at], slot[at], lod[at], detail[at])
+            return
+        shares = self._shares[kind]
         shown, _ = levels.shown(node)
         own = np.flatnonzero(~shares & inside & (shown != slot))
         levels.extract(node[own], slot[own], lod[own], detail[own])
