@@ -17,6 +17,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from .errors import InputError
+from .foreign_text import describe_error
 from .nearest_names import unknown_name
 
 _PREFIX = "lodbench_user_"
@@ -66,7 +67,7 @@ def _load_file(path: Path, what: str) -> ModuleType:
         del sys.modules[name]
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
-            f"expected a Python file that loads, got {type(error).__name__}: {error}",
+            f"expected a Python file that loads, got {describe_error(error)}",
             path=path,
             line=line,
         ) from error

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError, PolicyError
+from ..base.foreign_text import describe_error
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
@@ -76,7 +77,7 @@ class PolicyFrames:
         try:
             policy.reset(self._scene, options.budget_ms)
         except (Exception, SystemExit) as error:
-            raise PolicyError(name, None, _describe(error)) from error
+            raise PolicyError(name, None, describe_error(error)) from error
 
     def attach(self, pipeline: Pipeline) -> None:
         """Take times of completed frames from this pipeline, and read on its clock."""
@@ -167,15 +168,9 @@ class PolicyFrames:
                 self._oracle.foresee(truth)
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
-            raise PolicyError(self._name, view.frame, _describe(error)) from error
+            raise PolicyError(self._name, view.frame, describe_error(error)) from error
         violation = find_violation(selection, view.ids, self._scene, self._tree)
         violation = violation or find_not_resident(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection
-
-
-def _describe(error: BaseException) -> str:
-    """Return an exception raised by a policy in one line."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
