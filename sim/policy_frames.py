@@ -131,7 +131,7 @@ class PolicyFrames:
         return view.at(roots[self._culler.inside[roots]])
 
     def _check_pace(self, frame: int, time_ns: int) -> None:
-        """Refuse a machine on which frames take no time: the end of the trace would never come."""
+        """Refuse a machine on which frames take so little time that the trace's end never comes."""
         if frame and time_ns - self._pace_ns < _PACE_FRAMES * _LEAST_FRAME_NS:
             raise InputError(
                 f"hardware {self._hardware.name}: expected frames that take time, got "
@@ -139,6 +139,10 @@ class PolicyFrames:
                 "base cost, or limit the number of frames"
             )
         self._pace_ns = time_ns
+        if frame:
+            # What was seen so far may be the quickest part: it has to end even at half its rate.
+            expected = frame * self._end_ns / time_ns
+            self._options.require_end(self._trace.name, max(0.5 * expected, frame))
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
