@@ -9,7 +9,7 @@ from typer import Argument, Option
 
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import frame_budget
+from .shared.terminal import failure_of, frame_budget
 
 Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[
@@ -53,6 +53,7 @@ def stress(
     """Search camera paths within speed and turn limits for one on which a policy does badly."""
     from ..analysis.study import stress as search
     from ..analysis.study.inputs import load_trace
+    from ..base.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
     from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import parse_policy
@@ -60,6 +61,9 @@ def stress(
     from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out)
+    limits = out.with_suffix(".limits.toml")
+    for file in (out, limits):
+        require_file_writable(file)
     aim = search.check_badness(badness)
     spec, world, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
     replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
@@ -71,10 +75,13 @@ def stress(
             spec, world, profile, replay, aim, bounds, evaluations=evaluations, progress=progress
         )
     walk = search.measure_badness(spec, world, load_trace("walk", world), profile, replay, aim)
-    write_trace(worst.trace, out)
-    limits = out.with_suffix(".limits.toml")
     metric = search.METRIC_OF[aim]
-    _write_limits(limits, metric, policy)
+
+    def write() -> None:
+        write_trace(worst.trace, out)
+        _write_limits(limits, metric, policy)
+
+    unwritten = failure_of(write)
     check = ["lodbench", "check", "--policy", policy, "--scene", scene, "--trace", str(out)]
     check += ["--place", "none", "--hardware", hardware, "--limits", str(limits)]
     check += ["--baseline", str(out.with_suffix(".baseline.json"))]
@@ -94,10 +101,12 @@ def stress(
         "limits": str(limits),
         "check": check,
     }
+    found = f"{badness} {worst.value:.3g} on the path found, {walk:.3g} on the bundled walk"
+    print(json.dumps(record, indent=1) if as_json else found)
+    if unwritten is not None:
+        raise unwritten
     if as_json:
-        print(json.dumps(record, indent=1))
         return
-    print(f"{badness} {worst.value:.3g} on the path found, {walk:.3g} on the bundled walk")
     print(f"path: {out}")
     print(f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}")
     print(f"test it from then on:   {shlex.join(check)}")
