@@ -19,6 +19,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.integer[Any]]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
+_ONE_THREAD = 8192  # entries of a matrix up to which OpenBLAS multiplies a vector by it alone
+
 
 @cache
 def declared_arrays(struct: type[Any]) -> dict[str, tuple[type[Any], tuple[str | int, ...]]]:
@@ -81,6 +83,16 @@ def require_finite(array: FloatArray, name: str, *, low: float = -np.inf) -> Non
         first = tuple(int(i[0]) for i in np.nonzero(~good))
         bound = "" if low == -np.inf else f" >= {low:g}"
         raise InputError(f"{name}: expected finite values{bound}, got {array[first]} at {first}")
+
+
+def sum_rows(table: FloatArray, weight: FloatArray) -> list[float]:
+    """Return the sum of each row of a table, (k, n), its columns times their weights, (n,).
+
+    The order of additions is the same however many threads BLAS may start.
+    """
+    if table.size <= _ONE_THREAD:
+        return table.dot(weight).tolist()
+    return np.einsum("ij,j->i", table, weight).tolist()
 
 
 def refuse_rows(

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 from .errors import InputError
+from .foreign_text import describe_error
 from .nearest_names import unknown_name
 
 _PREFIX = "lodbench_user_"
@@ -69,7 +70,7 @@ def load_source(name: str, path: str, source: bytes) -> ModuleType:
         del sys.modules[name]
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
-            f"expected a Python file that loads, got {type(error).__name__}: {error}",
+            f"expected a Python file that loads, got {describe_error(error)}",
             path=path,
             line=line,
         ) from error

@@ -19,17 +19,13 @@ class Completed:
         Interval to the previous displayed frame, which vsync quantises; NaN if not displayed yet.
     """
 
-    __slots__ = ("_count", "cpu_ms", "gpu_ms", "present_ms", "work_ms")
+    __slots__ = ("_count", "_times")
 
     def __init__(self, times: FloatArray, count: int) -> None:
         """Wrap the first `count` rows of (n, 4) times: cpu, gpu, work, present."""
-        known = times[:count]
-        known.flags.writeable = False
+        self._times = times[:count]
+        self._times.flags.writeable = False
         self._count = count
-        self.cpu_ms: FloatArray = known[:, 0]
-        self.gpu_ms: FloatArray = known[:, 1]
-        self.work_ms: FloatArray = known[:, 2]
-        self.present_ms: FloatArray = known[:, 3]
 
     def __len__(self) -> int:
         """Return the number of completed frames."""
@@ -39,6 +35,26 @@ class Completed:
     def frame(self) -> IntArray:
         """Frame indices, (n,)."""
         return np.arange(self._count, dtype=np.int32)
+
+    @property
+    def cpu_ms(self) -> FloatArray:
+        """Work times of the CPU, (n,)."""
+        return self._times[:, 0]
+
+    @property
+    def gpu_ms(self) -> FloatArray:
+        """Work times of the GPU, (n,)."""
+        return self._times[:, 1]
+
+    @property
+    def work_ms(self) -> FloatArray:
+        """The larger of the two, (n,)."""
+        return self._times[:, 2]
+
+    @property
+    def present_ms(self) -> FloatArray:
+        """Intervals between displayed frames, (n,)."""
+        return self._times[:, 3]
 
     def last_work_ms(self) -> float:
         """Return the newest work time, or NaN before any frame has completed."""

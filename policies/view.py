@@ -1,15 +1,13 @@
 """What a policy sees of one frame: read-only, and never the future."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base.arrays import BoolArray, FloatArray, IntArray
-from ..models.scene.camera import Camera, eccentricity_deg, projected_area_px
+from ..models.scene.camera import Camera, area_of_spheres, eccentricity_deg
+from ..models.scene.nodes import Nodes, per_node
 from ..models.scene.scene import Scene
 from .frame_times import Completed
 from .selection import Selection
@@ -58,33 +56,6 @@ class FrameState:
     previous_centers_m: FloatArray | None = None
 
 
-class _PerNode:
-    """An array that is computed when first asked for, then kept, read-only.
-
-    `functools.cached_property` takes a lock at that time in Python 3.11, which costs more than
-    some of these arrays.
-    """
-
-    def __init__(self, compute: Callable[[Any], NDArray[Any]]) -> None:
-        self._compute, self._name = compute, compute.__name__
-        self.__doc__ = compute.__doc__
-
-    def __get__(self, view: Any, owner: type) -> Any:
-        if view is None:
-            return self
-        array = self._compute(view)
-        array.flags.writeable = False
-        view.__dict__[self._name] = array  # found before this descriptor from now on
-        return array
-
-
-if TYPE_CHECKING:
-    # What it is to a reader: a protocol of properties, such as `Footprint`, accepts it.
-    per_node = property
-else:
-    per_node = _PerNode
-
-
 class View:
     """Candidates of one frame and what can be known about them.
 
@@ -98,13 +69,19 @@ class View:
         Right, up and forward coordinates of the bounding spheres' centres in the camera's frame.
     state : FrameState
         What the view is computed from.
+    nodes : Nodes
+        The candidates and what is the same of them in every frame; shared by frames that have the
+        same candidates.
     scene, camera, frame, time_ns, completed, previous
         Those of the state.
     """
 
-    def __init__(self, state: FrameState, ids: IntArray, xyz_m: FloatArray) -> None:
+    def __init__(
+        self, state: FrameState, ids: IntArray, xyz_m: FloatArray, nodes: Nodes | None = None
+    ) -> None:
         self.state = state
         self.ids = ids
+        self.nodes = nodes or Nodes(state.scene, ids)
         self.xyz_m = xyz_m
         self.scene, self.camera = state.scene, state.camera
         self.frame, self.time_ns = state.frame, state.time_ns
@@ -116,37 +93,57 @@ class View:
 
     def at(self, ids: IntArray) -> "View":
         """Return the same frame seen at other nodes, such as children of the roots."""
-        return View(self.state, ids, self.camera.to_camera(self.state.centers_m.take(ids, axis=1)))
+        nodes = Nodes(self.state.scene, ids)
+        points_m = self.state.centers_m.take(nodes.at, axis=1)
+        return View(self.state, ids, self.camera.to_camera(points_m), nodes)
 
     @per_node
     def type_index(self) -> IntArray:
         """Type of each node, (m,)."""
-        return self.state.scene.type_index.take(self.ids)
+        return self.nodes.type_index
 
     @per_node
     def radius_m(self) -> FloatArray:
         """Radius of each bounding sphere, (m,)."""
-        return self.state.scene.radius_m.take(self.ids)
+        return self.nodes.radius_m
 
     @per_node
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
-        x, y, z = self.xyz_m
-        square = x * x
-        square += y * y
-        square += z * z
-        return np.sqrt(square, out=square)
+        return np.sqrt(self._square_m2)
+
+    @per_node
+    def _square_m2(self) -> FloatArray:
+        """Return the square of each distance, (m,)."""
+        return np.add.reduce(self.xyz_m * self.xyz_m, axis=0)
 
     @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
-        gap = self.distance_m - self.radius_m
+        gap = self.distance_m - self.nodes.radius_m
         return np.maximum(gap, self.camera.near_m, out=gap)
+
+    @per_node
+    def px_per_m(self) -> FloatArray:
+        """Pixels of one metre before scale, at the nearest point of each sphere, (m,)."""
+        lens = self.nodes.in_lens(self.camera.focal_px, self.camera.near_m)
+        return lens.scale_px / self.nearest_m
 
     @per_node
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
-        return projected_area_px(self.xyz_m[2], self.distance_m, self.radius_m, self.camera)
+        camera, nodes = self.camera, self.nodes
+        lens = nodes.in_lens(camera.focal_px, camera.near_m)
+        depth_m = self.xyz_m[2]
+        gap_m2 = depth_m * depth_m
+        gap_m2 -= nodes.square_m2
+        return area_of_spheres(
+            gap_m2,
+            self._square_m2 - nodes.square_m2,
+            lens.disc,
+            depth_m <= lens.reach_m,
+            float(camera.viewport_px),
+        )
 
     @per_node
     def inside_share(self) -> FloatArray:
@@ -175,7 +172,7 @@ class View:
         seen_px = self.inside_share * (math.pi * (camera.focal_px * radius) ** 2 / gap)
         np.minimum(seen_px, limit, out=seen_px)
         seen_px[self.xyz_m[2] - radius <= camera.near_m] = limit
-        return self.state.scene.types.disc_share.take(self.type_index) * seen_px
+        return self.state.scene.types.disc_share.take(self.nodes.type_at) * seen_px
 
     @per_node
     def eccentricity_deg(self) -> FloatArray:
@@ -191,20 +188,18 @@ class View:
         centers_m = self.state.previous_centers_m
         if centers_m is None:
             centers_m = self.state.centers_m
-        old = before.to_camera(centers_m.take(self.ids, axis=1))
-        sine = np.linalg.norm(np.cross(old, self.xyz_m, axis=0), axis=0)
-        cosine = np.einsum("ij,ij->j", old, self.xyz_m)
-        return np.degrees(np.arctan2(sine, cosine)) / step_s
+        old = before.to_camera(centers_m.take(self.nodes.at, axis=1))
+        return _angle_deg(old, self.xyz_m) / step_s
 
     @per_node
     def previous_detail(self) -> FloatArray:
         """Detail at which each node was last drawn, NaN if never, (m,)."""
-        return self.state.last_detail.take(self.ids)
+        return self.state.last_detail.take(self.nodes.at)
 
     @per_node
     def inside(self) -> BoolArray:
         """Whether each bounding sphere meets the frustum, (m,); nodes outside are never drawn."""
-        return self.state.inside.take(self.ids)
+        return self.state.inside.take(self.nodes.at)
 
     @per_node
     def resident(self) -> BoolArray:
@@ -212,4 +207,23 @@ class View:
         everything = self.state.residency
         if everything is None:
             return np.ones(len(self.ids), dtype=np.bool_)
-        return everything.take(self.ids)
+        return everything.take(self.nodes.at)
+
+
+def _angle_deg(old: FloatArray, new: FloatArray) -> FloatArray:
+    """Return the angles between directions, (3, m) each, (m,)."""
+    a, b, c = old
+    x, y, z = new
+    # The length of the cross product, one component after the other in the same three buffers.
+    side, other = b * z, np.empty(len(a))
+    side -= np.multiply(c, y, out=other)
+    sine = side * side
+    for p, q, r, s in ((c, x, a, z), (a, y, b, x)):
+        np.multiply(p, q, out=side)
+        side -= np.multiply(r, s, out=other)
+        sine += np.multiply(side, side, out=side)
+    np.sqrt(sine, out=sine)
+    cosine = np.multiply(a, x, out=side)
+    cosine += np.multiply(b, y, out=other)
+    cosine += np.multiply(c, z, out=other)
+    return np.degrees(np.arctan2(sine, cosine, out=sine), out=sine)

@@ -16,7 +16,7 @@ from .accounting.accounting import Accounting
 from .accounting.benefit_bound import BenefitBound
 from .accounting.extraction import Extraction, IndexSets
 from .accounting.fronts import Fronts
-from .accounting.picture_quality import FlatQuality, TreeQuality, screen_errors
+from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
 from .frame_log import CountRows
 from .loader import Memory
@@ -56,6 +56,7 @@ class FrameRecorder:
         )
         self._fronts = None if tree is None else Fronts(tree, self._accounting.viewport_px)
         self._quality = FlatQuality(scene) if tree is None else TreeQuality(tree)
+        self._errors = ScreenErrors()
         self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
         self._index_sets = IndexSets(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
@@ -63,8 +64,10 @@ class FrameRecorder:
         self.rows = CountRows()
         self.last_detail = self._accounting.switches.detail
 
-    def record(self, view: View, selection: Selection) -> tuple[int, int]:
+    def record(self, view: View, selection: Selection, *, repeats: bool) -> tuple[int, int]:
         """Record a frame that draws a valid selection; return nanoseconds of CPU and GPU.
+
+        `repeats` says that it is the same nodes at the same details as in the frame before.
 
         Raises
         ------
@@ -74,7 +77,7 @@ class FrameRecorder:
         accounting = self._accounting
         if self._fronts is not None:
             selection = _culled(selection, view.state.inside)
-        drawn = accounting.drawn(selection, view)
+        drawn = accounting.drawn(selection, view, repeats=repeats)
         switches = accounting.switches.record(view.frame, view.time_ns, drawn)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
@@ -82,22 +85,22 @@ class FrameRecorder:
         extraction = self._extraction(view, selection, drawn)
         counts = tally.counts | _cpu_counts(view, selection.work, extraction)
         times = self._machine.run(Submitted(view, selection, drawn, counts, tally.gpu_ms))
-        row = counts | self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
-        row.update(
-            {
-                "memory_bytes": self._memory.memory_bytes,
-                "loaded_bytes": self._newly_loaded(),
-                "fading": tally.fading,
-                "model_gpu_ms": tally.gpu_ms,
-                "predicted_gpu_ms": selection.predicted_ms,
-                "cpu_ms": times.cpu_ms,
-                "gpu_ms": times.gpu_ms,
-                "select_ms": times.select_ms,
-                "toggles": switches.toggles,
-                "reversals": switches.reversals,
-                "popping_px": switches.popping_px,
-            }
-        )
+        shown = self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
+        row = {
+            **counts,
+            **shown,
+            "memory_bytes": self._memory.memory_bytes,
+            "loaded_bytes": self._newly_loaded(),
+            "fading": tally.fading,
+            "model_gpu_ms": tally.gpu_ms,
+            "predicted_gpu_ms": selection.predicted_ms,
+            "cpu_ms": times.cpu_ms,
+            "gpu_ms": times.gpu_ms,
+            "select_ms": times.select_ms,
+            "toggles": switches.toggles,
+            "reversals": switches.reversals,
+            "popping_px": switches.popping_px,
+        }
         self.rows.append(row)
         cpu_ns, gpu_ns = round(times.cpu_ms * _NS_PER_MS), round(times.gpu_ms * _NS_PER_MS)
         return max(1, cpu_ns), max(1, gpu_ns)
@@ -115,7 +118,7 @@ class FrameRecorder:
         share = render_scale * render_scale
         units = self._quality.units(view)
         quality = self._quality.score(drawn, units)
-        sse_px_p95, sse_px_max = screen_errors(drawn)
+        sse_px_p95, sse_px_max = self._errors.of(drawn)
         x_m, y_m, z_m = view.camera.position_m
         return {
             "visible": len(units.ids),

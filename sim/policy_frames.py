@@ -7,20 +7,24 @@ import numpy as np
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError, PolicyError
+from ..base.foreign_text import describe_error
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
+from ..models.scene.motion import Centers
+from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.protocol import Clairvoyant, Policy, Truth
-from ..policies.selection import Selection, find_violation
+from ..policies.selection import Selection
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
 from .frame_timer import FrameTimer
-from .loader import find_not_resident, make_memory
+from .loader import make_memory
 from .pipeline import Pipeline
 from .replay_options import ReplayOptions
+from .selection_check import SelectionCheck
 from .simulated_machine import Machine, SimulatedMachine
 
 _PACE_FRAMES = 10_000
@@ -48,9 +52,9 @@ class PolicyFrames:
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
         self._fovy_rad = math.radians(options.fovy_deg)
-        self._rest_m = np.ascontiguousarray(scene.center_m.T)
-        self._rest_m.flags.writeable = False
+        self._centers = Centers(scene.center_m, scene.motion)
         self._culler = Culler(scene.radius_m, scene.cells)
+        self._nodes = Nodes(self._scene, np.zeros(0, dtype=np.int32))
         self._tree = None if scene.flat else Tree(scene)
         streaming = policy.capabilities.loader and not scene.flat
         bound_bytes = options.memory_bytes or hardware.memory_bytes
@@ -70,6 +74,7 @@ class PolicyFrames:
             policy=name,
             future=future,
         )
+        self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
         self._previous_centers_m: FloatArray | None = None
@@ -78,7 +83,7 @@ class PolicyFrames:
         try:
             policy.reset(self._scene, options.budget_ms)
         except (Exception, SystemExit) as error:
-            raise PolicyError(name, None, _describe(error)) from error
+            raise PolicyError(name, None, describe_error(error)) from error
 
     def attach(self, pipeline: Pipeline) -> None:
         """Take times of completed frames from this pipeline, and read on its clock."""
@@ -102,7 +107,7 @@ class PolicyFrames:
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera
         self._previous_s, self._previous_centers_m = time_ns * 1e-9, view.state.centers_m
-        costs_ns = self._recorder.record(view, selection)
+        costs_ns = self._recorder.record(view, selection, repeats=self._check.repeats)
         # What is wanted is read while the frame is drawn: the next one may have it, not this one.
         self._memory.want(time_ns, selection.wanted)
         return costs_ns
@@ -110,8 +115,9 @@ class PolicyFrames:
     def _show(self, frame: int, time_ns: int) -> View:
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
-        centers_m = self._centers(time_s)
+        centers_m = self._centers.at(time_s)
         ids, xyz_m = self._culler.cull(centers_m, camera)
+        centers_m = centers_m[:3]
         state = FrameState(
             self._scene,
             camera,
@@ -127,14 +133,16 @@ class PolicyFrames:
             self._memory.resident,
             self._previous_centers_m,
         )
-        view = View(state, ids, xyz_m)
+        if ids is not self._nodes.ids:
+            self._nodes = Nodes(self._scene, ids)
+        view = View(state, ids, xyz_m, self._nodes)
         if self._tree is None:
             return view
         roots = self._scene.roots
         return view.at(roots[self._culler.inside[roots]])
 
     def _check_pace(self, frame: int, time_ns: int) -> None:
-        """Refuse a machine on which frames take no time: the end of the trace would never come."""
+        """Refuse a machine on which frames take so little time that the trace's end never comes."""
         if frame and time_ns - self._pace_ns < _PACE_FRAMES * _LEAST_FRAME_NS:
             raise InputError(
                 f"hardware {self._hardware.name}: expected frames that take time, got "
@@ -142,6 +150,10 @@ class PolicyFrames:
                 "base cost, or limit the number of frames"
             )
         self._pace_ns = time_ns
+        if frame:
+            # What was seen so far may be the quickest part: it has to end even at half its rate.
+            expected = frame * self._end_ns / time_ns
+            self._options.require_end(self._trace.name, max(0.5 * expected, frame))
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
@@ -157,29 +169,14 @@ class PolicyFrames:
             self._fovy_rad,
         )
 
-    def _centers(self, time_s: float) -> FloatArray:
-        motion = self._scene.motion
-        if motion is None:
-            return self._rest_m
-        centers_m = self._rest_m.copy()
-        centers_m[:, motion.node] += motion.offset_m(time_s).T
-        return centers_m
-
     def _select(self, view: View, truth: Truth | None) -> Selection:
         try:
             if self._oracle is not None and truth is not None:
                 self._oracle.foresee(truth)
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
-            raise PolicyError(self._name, view.frame, _describe(error)) from error
-        violation = find_violation(selection, view.ids, self._scene, self._tree)
-        violation = violation or find_not_resident(selection, view)
+            raise PolicyError(self._name, view.frame, describe_error(error)) from error
+        violation = self._check.find_violation(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection
-
-
-def _describe(error: BaseException) -> str:
-    """Return an exception raised by a policy in one line."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__

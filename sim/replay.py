@@ -34,9 +34,12 @@ def replay(
 
     Raises
     ------
+    InputError
+        If the trace takes more than `MAX_FRAMES` frames, which are not limited.
     PolicyError
         If the policy raises or a selection breaks its contract.
     """
+    options.require_end(trace.name, trace.duration_s * hardware.display.refresh_hz)
     frames = PolicyFrames(policy, scene, trace, hardware, options, name, machine, beat)
     pipeline = Pipeline(frames, hardware.display, hardware.frames_in_flight)
     frames.attach(pipeline)
@@ -53,7 +56,9 @@ def replay(
         options.memory_bytes or hardware.memory_bytes,
         policy.capabilities.future,
     )
-    columns = [np.frombuffer(getattr(pipeline, name), dtype=np.int64) for name in TIMES]
-    times_ns = np.stack(columns, axis=1)
-    np.maximum(times_ns, -1, out=times_ns)
+    times_ns = np.empty((len(pipeline.input_ns), len(TIMES)), dtype=np.int64)
+    for column, time in enumerate(TIMES):
+        np.maximum(
+            np.frombuffer(getattr(pipeline, time), dtype=np.int64), -1, out=times_ns[:, column]
+        )
     return FrameLog(header, times_ns, frames.counts())

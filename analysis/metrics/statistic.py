@@ -1,8 +1,7 @@
-"""Statistics of per-frame values that can be taken of any resample of the frames.
+"""Statistics of per-frame values that can be taken of any sample of the frames.
 
-Every metric is a `Statistic`: values that belong to frames, and a reduction of them to one
-number.  The bootstrap takes the reduction of many resamples at once, as rows of one matrix; NaN
-marks a frame that has no value (a frame never shown has no lag), and padding of rows.
+Every metric is a `Statistic`: values that belong to frames, and a reduction of them to one number
+for each of many samples.  NaN marks a frame that has no value (a frame never shown has no lag).
 """
 
 from collections.abc import Callable
@@ -10,12 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-
-_LARGEST_MATRIX = 2_000_000
-"""Values of one matrix of resamples: 16 MB, so that long runs do not exhaust memory."""
+from .sample import Sample
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +23,7 @@ class Statistic:
     series : tuple of (n,) float64
         NaN where a frame has no value.
     reduce : callable
-        From one (R, m) matrix for each series to (R,).
+        From R samples and each series to (R,).
     """
 
     series: tuple[FloatArray, ...]
@@ -42,24 +38,12 @@ class Statistic:
         """Return the statistic of all frames, or None if no frame has a value."""
         if not self.support:
             return None
-        value = float(self.reduce(*(series[np.newaxis] for series in self.series))[0])
+        value = float(self.of(Sample.whole(len(self.series[0])))[0])
         return value if np.isfinite(value) else None
 
-    def resampled(self, rows: IntArray) -> FloatArray:
-        """Return the statistic of each resample, (R,).
-
-        Parameters
-        ----------
-        rows : (R, m) int32
-            Frames of each resample, `n` where a row is padded.
-        """
-        padded = tuple(np.append(series, np.nan) for series in self.series)
-        chunks = -(-rows.size // _LARGEST_MATRIX)
-        parts = [
-            self.reduce(*(series[part] for series in padded))
-            for part in np.array_split(rows, max(chunks, 1))
-        ]
-        return np.concatenate(parts)
+    def of(self, sample: Sample) -> FloatArray:
+        """Return the statistic of each sample, (R,); NaN where it has no value."""
+        return self.reduce(sample, *self.series)
 
 
 def mean(series: FloatArray) -> Statistic:
@@ -105,57 +89,83 @@ def fps_low_integral(times_ms: FloatArray, share: float) -> Statistic:
     return Statistic((times_ms,), partial(_fps_low_integral, share=share))
 
 
-def _count(x: FloatArray) -> NDArray[np.intp]:
-    return np.count_nonzero(~np.isnan(x), axis=1)
-
-
-def _divide(numerator: FloatArray, denominator: FloatArray | NDArray[np.intp]) -> FloatArray:
+def _divide(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         quotient: FloatArray = np.true_divide(numerator, denominator)
     quotient[denominator <= 0] = np.nan
     return quotient
 
 
-def _mean(x: FloatArray) -> FloatArray:
-    return _divide(np.nansum(x, axis=1), _count(x))
+def _mean(sample: Sample, x: FloatArray) -> FloatArray:
+    known = ~np.isnan(x)
+    if known.all():
+        return _divide(sample.sums(x), sample.sums(known))
+    return _divide(sample.sums(np.where(known, x, 0.0)), sample.sums(known))
 
 
-def _sd(x: FloatArray) -> FloatArray:
-    deviation = x - _mean(x)[:, np.newaxis]
-    return np.sqrt(_divide(np.nansum(deviation * deviation, axis=1), _count(x) - 1))
+def _sd(sample: Sample, x: FloatArray) -> FloatArray:
+    # About the mean of all frames, which every sample's is near, so that little cancels.
+    from_middle = x - np.nanmean(x)
+    count = sample.sums(~np.isnan(x))
+    shift = _mean(sample, from_middle)
+    square = np.where(np.isnan(x), 0.0, from_middle * from_middle)
+    return np.sqrt(_divide(np.maximum(sample.sums(square) - count * shift * shift, 0.0), count - 1))
 
 
-def _quantile(x: FloatArray, q: float, *, median_unbiased: bool = False) -> FloatArray:
+def _quantile(
+    sample: Sample, x: FloatArray, q: float, *, median_unbiased: bool = False
+) -> FloatArray:
     """Quantile of type 7, or of type 8, which CapFrameX (by MathNet) takes."""
-    ordered = np.sort(x, axis=1)  # NaN last
-    last = np.maximum(_count(x) - 1, 0)
+    values, drawn = sample.ordered(x)
+    if not len(values):
+        return np.full(len(drawn), np.nan)
+    last = np.maximum(drawn[:, -1] - 1, 0)
     rank = q * last
     if median_unbiased:
         rank = np.clip((last + 4.0 / 3.0) * q - 2.0 / 3.0, 0.0, last)
-    below = np.floor(rank).astype(np.intp)
-    above = np.ceil(rank).astype(np.intp)
-    rows = np.arange(len(x))
-    low = ordered[rows, below]
-    return low + (rank - below) * (ordered[rows, above] - low)
+    low, high = (_of_rank(values, drawn, whole) for whole in (np.floor(rank), np.ceil(rank)))
+    result = low + (rank - np.floor(rank)) * (high - low)
+    result[drawn[:, -1] == 0] = np.nan
+    return result
 
 
-def _fps_of_quantile(x: FloatArray, q: float) -> FloatArray:
-    return 1e3 / _quantile(x, q)
+def _of_rank(values: FloatArray, drawn: IntArray, rank: FloatArray) -> FloatArray:
+    """Return the value of each sample's frame of a rank, counted from 0."""
+    pairs = zip(drawn, rank, strict=True)
+    at = [int(row.searchsorted(whole, side="right")) for row, whole in pairs]
+    return values[np.minimum(at, len(values) - 1)]
 
 
-def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
-    return _divide(np.nansum(numerator, axis=1), np.nansum(denominator, axis=1))
+def _fps_of_quantile(sample: Sample, x: FloatArray, q: float) -> FloatArray:
+    return 1e3 / _quantile(sample, x, q)
 
 
-def _fps_low_mean(x: FloatArray, share: float) -> FloatArray:
-    slowest = x >= _quantile(x, 1.0 - share, median_unbiased=True)[:, np.newaxis]
-    return 1e3 * _divide(
-        np.count_nonzero(slowest, axis=1).astype(np.float64), np.where(slowest, x, 0.0).sum(axis=1)
+def _ratio(sample: Sample, numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+    return _divide(
+        sample.sums(np.nan_to_num(numerator, nan=0.0)),
+        sample.sums(np.nan_to_num(denominator, nan=0.0)),
     )
 
 
-def _fps_low_integral(x: FloatArray, share: float) -> FloatArray:
-    slowest_first = -np.sort(-x, axis=1)
-    reached = np.nancumsum(slowest_first, axis=1)
-    at = np.argmax(reached >= share * reached[:, -1:], axis=1)
-    return 1e3 / slowest_first[np.arange(len(x)), at]
+def _fps_low_mean(sample: Sample, x: FloatArray, share: float) -> FloatArray:
+    values, drawn = sample.ordered(x)
+    least = _quantile(sample, x, 1.0 - share, median_unbiased=True)
+    fps = np.full(len(drawn), np.nan)
+    for at, threshold in enumerate(map(float, least)):
+        start = int(np.searchsorted(values, threshold))
+        times: IntArray = np.diff(drawn[at], prepend=0)[start:]
+        if len(times):
+            fps[at] = 1e3 * times.sum() / float((times * values[start:]).sum())
+    return fps
+
+
+def _fps_low_integral(sample: Sample, x: FloatArray, share: float) -> FloatArray:
+    values, drawn = sample.ordered(x)
+    slowest_first = values[::-1]
+    fps = np.full(len(drawn), np.nan)
+    for at, row in enumerate(drawn):
+        if not len(row) or not row[-1]:
+            continue
+        reached = np.cumsum(np.diff(row, prepend=0)[::-1] * slowest_first)
+        fps[at] = 1e3 / slowest_first[np.argmax(reached >= share * reached[-1])]
+    return fps

@@ -128,9 +128,9 @@ def resample(
 ) -> dict[str, FloatArray]:
     """Return by metric its value in each resample, (count,); see `Scored.resampled`."""
     root = np.random.SeedSequence(seed, spawn_key=(_SPAWN_KEY, stream))
-    rows = draw_blocks(root, count).rows(run.input_ns)
-    return {
-        name: item.resampled(rows)
-        for name, item in statistics.items()
-        if item is not None and item.support > 1
-    }
+    known = {n: item for n, item in statistics.items() if item is not None and item.support > 1}
+    found: dict[str, list[FloatArray]] = {name: [] for name in known}
+    for sample in draw_blocks(root, count).samples(run.input_ns):
+        for name, item in known.items():
+            found[name].append(item.of(sample))
+    return {name: np.concatenate(parts) for name, parts in found.items()}

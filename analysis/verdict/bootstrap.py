@@ -7,18 +7,20 @@ another policy the same window shows the same part of the camera's path, whateve
 and comparisons are paired.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray, IntArray
-
-IndexArray: TypeAlias = NDArray[np.intp]
+from ...base.arrays import FloatArray
+from ..metrics.sample import Sample
 
 BLOCKS = 30
 """Blocks of a resample; a block is this part of the run, such as 2 s of a minute."""
+
+_LARGEST_MATRIX = 2_000_000
+"""Frames of all resamples at a time, so that long runs do not exhaust memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +35,8 @@ class Blocks:
 
     start: FloatArray
 
-    def rows(self, time_ns: NDArray[np.int64]) -> IntArray:
-        """Return the frames of each resample, (R, m) int32, padded with n.
+    def samples(self, time_ns: NDArray[np.int64]) -> Iterator[Sample]:
+        """Yield the resamples of n frames, in order, so many at a time as memory is kept for.
 
         Parameters
         ----------
@@ -46,16 +48,11 @@ class Blocks:
         period = float(elapsed[-1]) * n / (n - 1) if n > 1 else 1.0
         share = np.concatenate((elapsed, elapsed + period)) / period
         end: FloatArray = self.start + 1.0 / self.start.shape[1]
-        first: IndexArray = np.searchsorted(share, self.start)
-        past: IndexArray = np.searchsorted(share, end)
-        count = past - first
-        length: IndexArray = count.sum(axis=1)
-        rows = np.full((len(first), max(int(length.max()), 1)), n, dtype=np.int32)
-        each = count.ravel()
-        offset = np.arange(int(each.sum())) - np.repeat(np.cumsum(each) - each, each)
-        filled = np.arange(rows.shape[1]) < length[:, np.newaxis]
-        rows[filled] = (np.repeat(first.ravel(), each) + offset) % n
-        return rows
+        first = np.searchsorted(share, self.start).astype(np.int64)
+        past = np.searchsorted(share, end).astype(np.int64)
+        together = max(_LARGEST_MATRIX // n, 1)
+        for at in range(0, len(first), together):
+            yield Sample(n, first[at : at + together], past[at : at + together])
 
 
 def draw_blocks(seed: np.random.SeedSequence, resamples: int) -> Blocks:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray, IntArray, sum_rows
 from ...base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from .cost import CostModel
@@ -18,6 +18,24 @@ from .cost_terms.term import Footprint, FrameShape, ViewTerm
 _SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
 
 
+class Load(NamedTuple):
+    """What a frame draws of each level, wherever that is in the picture.
+
+    Attributes
+    ----------
+    counts : list of float
+        Units of the levels drawn, in the order of `LEVEL_PREDICTORS`.
+    level_ms : float
+        What these levels cost whatever the view.
+    types : int
+        Distinct types drawn.
+    """
+
+    counts: list[float]
+    level_ms: float
+    types: int
+
+
 class Price(NamedTuple):
     """GPU time of a whole frame, and what it was counted by.
 
@@ -25,15 +43,14 @@ class Price(NamedTuple):
     ----------
     gpu_ms : float
         Noise-free.
-    times_drawn : (L,) float64
-        How often each level is drawn, shared between the two about a resolution.
+    load : Load
     counts : dict of str to float
         Units of the view's and the frame's terms, by predictor; NaN where a term costs nothing and
         its units take time to count.
     """
 
     gpu_ms: float
-    times_drawn: FloatArray
+    load: Load
     counts: dict[str, float]
 
 
@@ -71,18 +88,24 @@ class FrameCost:
         self.geometry_ms = levels.counts @ model.roofline_ms[:width]
         self.pixel_ms = float(model.roofline_ms[_SHADED_SAMPLES])
         self._has_roofline = model.has_roofline
+        self._per_level = np.vstack((levels.counts.T, self.level_ms))
         self._first = levels.start[:-1].astype(np.int64)
         terms = [
             _Term(name, term, model.unit_ms(name), tuple(map(self._column, term.reads)))
             for name, term in VIEW_TERMS.items()
         ]
         self._charged = [term for term in terms if term.unit_ms]
-        self._counted = [term for term in terms if term.unit_ms or term.term.logged_free]
-        self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in self._counted}, np.nan)
+        counted = [term for term in terms if term.unit_ms or term.term.logged_free]
+        self._of_levels = [term for term in counted if term.columns]
+        self._of_no_level = [term for term in counted if not term.columns]
+        self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in counted}, np.nan)
         self._frame_terms = [
             (name, term, model.unit_ms(name)) for name, term in FRAME_TERMS.items()
         ]
         self._summed = _by_unit(model)
+        # Prices of one view have the same sums of what no level decides.
+        self._last_seen: Footprint | None = None
+        self._last_totals: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
 
     def _column(self, predictor: str) -> FloatArray:
@@ -96,6 +119,7 @@ class FrameCost:
         *,
         fraction: FloatArray | None = None,
         pixel_share: float = 1.0,
+        load: Load | None = None,
     ) -> Price:
         """Return the price of a frame that draws these rows.
 
@@ -109,31 +133,37 @@ class FrameCost:
             Pixels of the window.
         pixel_share
             Pixels of the picture as it is rendered over those of the window.
+        load
+            What `load` returns for these rows, where it is known.
         """
-        times_drawn = self._times_drawn(row, fraction)
-        types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
+        load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = _InPicture(seen, pixel_share)
-        counts = self._uncounted.copy()
-        for term in self._counted:
-            counts[term.name] = float(self._units(term, row, fraction, seen).sum())
-        shape = FrameShape(pixel_share * viewport_px, types)
+        counts = self._totals(seen).copy()
+        for term in self._of_levels:
+            counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
+        shape = FrameShape(pixel_share * viewport_px, load.types)
         for name, term, _ in self._frame_terms:
             counts[name] = term.count(shape)
-        # Level by level, as many objects share one; sums do without BLAS, whose threads add up in
-        # an order of their own.
-        ms = self.model.base_ms + float((times_drawn * self.level_ms).sum())
+        ms = self.model.base_ms + load.level_ms
         for terms in self._summed:
             ms += sum([unit_ms * counts[name] for name, unit_ms in terms])
         if self._has_roofline:
             geometry = self._at(self.geometry_ms, row, fraction)
             ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
-        return Price(ms, times_drawn, counts)
+        return Price(ms, load, counts)
+
+    def load(self, row: IntArray, fraction: FloatArray | None = None) -> Load:
+        """Return what a frame that draws these rows draws of each level."""
+        # Level by level, as many objects share one.
+        times_drawn = self._times_drawn(row, fraction)
+        types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
+        *counts, level_ms = sum_rows(self._per_level, times_drawn)
+        return Load(counts, level_ms, types)
 
     def counts(self, price: Price) -> dict[str, float]:
         """Return the units of a priced frame by GPU predictor."""
-        levels = np.einsum("l,lp->p", price.times_drawn, self.levels.counts).tolist()
-        return dict(zip(LEVEL_PREDICTORS, levels, strict=True)) | price.counts
+        return dict(zip(LEVEL_PREDICTORS, price.load.counts, strict=True)) | price.counts
 
     def fixed_ms(self, viewport_px: float, types: int) -> float:
         """Return what a frame of so many distinct types costs before its first object."""
@@ -174,6 +204,15 @@ class FrameCost:
             above, rise = term.line_above(full, seen, lowest)
             start, slope = start + unit_ms * above, slope + unit_ms * rise
         return start, slope
+
+    def _totals(self, seen: Footprint) -> dict[str, float]:
+        """Return the units of the terms that no level decides, over all objects."""
+        if seen is not self._last_seen:
+            counts = self._uncounted.copy()
+            for term in self._of_no_level:
+                counts[term.name] = float(np.add.reduce(term.term.count((), seen)))
+            self._last_seen, self._last_totals = seen, counts
+        return self._last_totals
 
     def _units(
         self, term: _Term, row: IntArray, fraction: FloatArray | None, seen: Footprint

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...base.arrays import FloatArray, derive
+from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
-from .rotation import rotation_matrix
+
+_BLOCK = 16_000  # points for which BLAS starts no threads
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,9 @@ class Camera:
     focal_px : derived, height / (2 tan(fovy / 2))
     axes : (3, 3) float64, derived
         Rows: the camera's right, up and forward directions in the scene frame.
+    pose : (3, 4) float64, derived
+        The axes, and what a point at the scene's origin has along them: a product with
+        (x, y, z, 1) gives coordinates in the camera's frame.
     """
 
     position_m: tuple[float, float, float]
@@ -37,13 +41,16 @@ class Camera:
     near_m: float = 0.1
     focal_px: float = field(init=False)
     axes: FloatArray = field(init=False, repr=False)
+    pose: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
-        axes = np.ascontiguousarray(rotation_matrix(self.orientation_xyzw).T)
-        axes[2] *= -1.0
-        derive(self, axes=axes, focal_px=self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0)))
+        axes, pose = _place(self.position_m, self.orientation_xyzw)
+        focal_px = self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0))
+        axes.flags.writeable = pose.flags.writeable = False
+        for name, value in (("focal_px", focal_px), ("axes", axes), ("pose", pose)):
+            object.__setattr__(self, name, value)
 
     @property
     def viewport_px(self) -> int:
@@ -52,7 +59,33 @@ class Camera:
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
         """Return (3, n) right, up and forward coordinates of (3, n) scene points."""
-        return self.axes @ points_m - (self.axes @ np.array(self.position_m))[:, None]
+        origin_m = self.pose[:, 3:]
+        if points_m.shape[1] <= _BLOCK:
+            local_m = self.axes @ points_m
+            local_m += origin_m
+            return local_m
+        parts = np.split(points_m, range(_BLOCK, points_m.shape[1], _BLOCK), axis=1)
+        return np.concatenate([self.axes @ part + origin_m for part in parts], axis=1)
+
+
+def _place(
+    position_m: tuple[float, float, float], orientation_xyzw: tuple[float, float, float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Return a camera's axes and pose: once a frame, hence in plain numbers.
+
+    The axes are the rows of the transposed rotation matrix, the last one negated: cameras look
+    along -z.
+    """
+    (x, y, z, w), (px, py, pz) = orientation_xyzw, position_m
+    ax, ay, az = 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)
+    bx, by, bz = 2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)
+    cx, cy, cz = -2 * (x * z + y * w), -2 * (y * z - x * w), 2 * (x * x + y * y) - 1
+    a = -(ax * px + ay * py + az * pz)
+    b = -(bx * px + by * py + bz * pz)
+    c = -(cx * px + cy * py + cz * pz)
+    axes = np.array((ax, ay, az, bx, by, bz, cx, cy, cz), dtype=np.float64)
+    pose = np.array((ax, ay, az, a, bx, by, bz, b, cx, cy, cz, c), dtype=np.float64)
+    return axes.reshape(3, 3), pose.reshape(3, 4)
 
 
 def projected_area_px(
@@ -65,20 +98,35 @@ def projected_area_px(
     no such ellipse (its image is unbounded or wraps the eye) and counts as the whole viewport.
     """
     square = radius_m * radius_m
-    gap = depth_m * depth_m
-    gap -= square
-    front = depth_m - radius_m > camera.near_m
-    np.maximum(gap, 1e-30, out=gap)
-    area = distance_m * distance_m
-    area -= square
-    area /= gap
-    np.sqrt(np.maximum(area, 0.0, out=area), out=area)
-    area *= square
-    area *= math.pi * camera.focal_px**2
-    area /= gap
-    limit = float(camera.viewport_px)
-    np.minimum(area, limit, out=area)
-    area[~front] = limit
+    near = depth_m - radius_m <= camera.near_m
+    return area_of_spheres(
+        depth_m * depth_m - square,
+        distance_m * distance_m - square,
+        math.pi * camera.focal_px**2 * square,
+        near,
+        float(camera.viewport_px),
+    )
+
+
+def area_of_spheres(
+    gap_m2: FloatArray, out_m2: FloatArray, disc: FloatArray, near: BoolArray, limit_px: float
+) -> FloatArray:
+    """Return `projected_area_px` of ``z² - r²``, ``l² - r²`` and ``π f² r²``, all (n,).
+
+    `near` says which spheres reach the near plane.  The first two arrays are overwritten.
+    """
+    area = out_m2
+    some_near = np.count_nonzero(near)
+    if some_near:  # beyond the near plane both are positive
+        np.maximum(gap_m2, 1e-30, out=gap_m2)
+        np.maximum(area, 0.0, out=area)
+    area /= gap_m2
+    np.sqrt(area, out=area)
+    area *= disc
+    area /= gap_m2
+    np.minimum(area, limit_px, out=area)
+    if some_near:
+        area[near] = limit_px
     return area
 
 

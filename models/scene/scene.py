@@ -6,10 +6,10 @@ a node of a tree.  Conventions: right-handed, z up, metres, quaternions ``x y z 
 
 from copy import copy
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import BoolArray, FloatArray, IntArray, derive, freeze, require_finite
 from ...base.errors import InputError
@@ -97,6 +97,9 @@ class Scene:
     roots: IntArray = field(init=False)
     child_start: IntArray = field(init=False)
     child_ids: IntArray = field(init=False)
+    _by_node: dict[str, NDArray[Any]] = field(
+        init=False, repr=False, compare=False, default_factory=dict[str, NDArray[Any]]
+    )
 
     @classmethod
     def of(
@@ -186,6 +189,24 @@ class Scene:
     def level_count(self) -> IntArray:
         """Levels of each node, (N,) int32."""
         return self.types.levels.level_count[self.type_index]
+
+    @property
+    def finest_row(self) -> NDArray[np.intp]:
+        """Row of the level table of each node's finest level, (N,); gathered once."""
+        if "finest_row" not in self._by_node:
+            row = self.types.levels.start[self.type_index].astype(np.intp)
+            row.flags.writeable = False
+            self._by_node["finest_row"] = row
+        return self._by_node["finest_row"]
+
+    @property
+    def coarsest_level(self) -> FloatArray:
+        """Index of each node's coarsest level, or knot, (N,); gathered once."""
+        if "coarsest_level" not in self._by_node:
+            level = self.level_count - 1.0
+            level.flags.writeable = False
+            self._by_node["coarsest_level"] = level
+        return self._by_node["coarsest_level"]
 
     def children(self, node: int) -> IntArray:
         """Return the children of a node in ascending order, int32."""

@@ -12,6 +12,7 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, Truth
 from ..selection import Selection
 from ..shared.choices import LevelChoices, Offer, importance
+from ..shared.level_hulls import make_level_hulls
 from ..shared.ranges import Count, check_parameters
 from ..solvers.knapsack import affordable, hull_increments, take_increments
 from ..view import View
@@ -47,19 +48,29 @@ class Oracle:
         """Forget the last replay."""
         check_parameters(self, "oracle")
         self._scene, self._budget_ms = scene, budget_ms
-        self._truth = self._choices = None
+        self._truth = self._choices = self._hulls = None
+        self._all_discrete = not scene.types.levels.continuous.any()
 
     def foresee(self, truth: Truth) -> None:
         """Note the truth about the next frame."""
         if self._truth is None or truth.costs is not self._truth.costs:
             costs = FrameCost(truth.costs, self._scene.types.levels)
             self._choices = LevelChoices(self._scene, costs, 1.0)
+            width = int(self._scene.types.levels.level_count.max())
+            self._hulls = make_level_hulls(self._scene, costs, 1.0, np.ones((1, width)))
         self._truth = truth
 
     def select(self, view: View) -> Selection:
         """Return the optimal selection within the budget."""
         if self._truth is None or self._choices is None:
             raise InputError("oracle: expected to be told the truth first; call foresee")
+        hulls = self._hulls
+        if hulls is not None and len(view) > self.exact_up_to and self._all_discrete:
+            size = view.area_px * importance(view)
+            budget_ms = self._budget_ms / self._truth.gpu_factor
+            return Selection(
+                view.ids, hulls.choose(view, size, budget_ms, skip_misfits=True).detail
+            )
         offer = self._choices.offer(view, importance)
         if not len(offer.objects):
             return Selection(view.ids, np.zeros(0), predicted_ms=offer.fixed_ms)

@@ -9,7 +9,8 @@ from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import Offer, make_choices, require_costs
+from ..shared.choices import make_choices, require_costs
+from ..shared.level_hulls import LevelHulls, make_level_hulls
 from ..shared.ranges import BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
 from ..shared.v_time import VTime
 from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
@@ -73,7 +74,15 @@ class Funkhouser:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the scene's levels."""
         check_parameters(self, "funkhouser")
-        self._choices = make_choices(scene, require_costs(scene, "funkhouser"), self.exponent)
+        costs = require_costs(scene, "funkhouser")
+        self._choices = make_choices(scene, costs, self.exponent)
+        self._hulls = None
+        if self.mode == "hull" and not self.skip:
+            # Rows by the last level: the first for objects that were not drawn, which have none.
+            width = int(scene.types.levels.level_count.max())
+            lasts = np.arange(-1, width if self.hysteresis else 0, dtype=np.int32)
+            factor = self._hold(np.ones((len(lasts), width)), lasts)
+            self._hulls = make_level_hulls(scene, costs, self.exponent, factor)
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt)
         self._column = np.full(len(scene), -1, dtype=np.int32)
@@ -81,12 +90,14 @@ class Funkhouser:
     def select(self, view: View) -> Selection:
         """Return the selection of most benefit that the mode finds within the budget."""
         whole_ms = self._v_time.budget_ms(view, self._budget_ms)
+        if self._hulls is not None:
+            return self._select_on_hulls(self._hulls, view, whole_ms)
         offer = self._choices.offer(view, self._weight)
         if not len(offer.objects):
             expected_ms = self._v_time.expect(offer.fixed_ms)
             return Selection(view.ids, np.zeros(0), predicted_ms=expected_ms)
         last = self._column[offer.objects]
-        cost_ms, benefit = offer.cost_ms, self._held(offer, last)
+        cost_ms, benefit = offer.cost_ms, self._hold(offer.benefit, last)
         real = np.isfinite(cost_ms).sum(axis=1)
         if self.skip:
             cost_ms, benefit = _with_nothing(cost_ms, benefit, real)
@@ -106,22 +117,43 @@ class Funkhouser:
         camera = view.camera
         half_px = 0.5 * np.hypot(camera.width_px, camera.height_px)
         half_deg = float(np.degrees(np.arctan2(half_px, camera.focal_px)))
-        weight = view.scene.importance[view.ids]
+        weight = view.scene.importance.take(view.ids)
         if self.focus:
-            weight = weight * (1.0 - self.focus * np.minimum(view.eccentricity_deg / half_deg, 1.0))
+            away = view.eccentricity_deg / half_deg
+            np.minimum(away, 1.0, out=away)
+            away *= self.focus
+            weight *= np.subtract(1.0, away, out=away)
         if self.motion:
             size_deg = np.degrees(2.0 * np.arctan2(view.radius_m, view.nearest_m))
-            weight = weight / (1.0 + self.motion * view.speed_deg_s / (60.0 * size_deg))
+            size_deg *= 60.0
+            slower = np.divide(view.speed_deg_s, size_deg, out=size_deg)
+            slower *= self.motion
+            slower += 1.0
+            weight /= slower
         return weight
 
-    def _held(self, offer: Offer, last: IntArray) -> FloatArray:
+    def _hold(self, benefit: FloatArray, last: IntArray) -> FloatArray:
         """Return benefits with the hysteresis factor; objects that were not drawn have none."""
         if not self.hysteresis:
-            return offer.benefit
-        columns = np.arange(offer.benefit.shape[1], dtype=np.int32)
+            return benefit
+        columns = np.arange(benefit.shape[1], dtype=np.int32)
         away: IntArray = np.abs(columns - last[:, None])
         away[last < 0] = 0
-        return offer.benefit / (1.0 + self.hysteresis * away)
+        return benefit / (1.0 + self.hysteresis * away)
+
+    def _select_on_hulls(self, hulls: LevelHulls, view: View, budget_ms: float) -> Selection:
+        """Return the selection of mode `hull` where hulls are the same in every frame."""
+        size = view.area_px * self._weight(view)
+        row = self._column.take(view.ids) + 1 if self.hysteresis else None
+        levels = hulls.choose(
+            view, size, budget_ms, row=row, skip_misfits=self.misfit == "skip", or_single=True
+        )
+        self._column.fill(-1)
+        self._column[view.ids] = levels.column
+        tuples = levels.alternatives
+        work = Work(len(view), tuples * tuples.bit_length())
+        expected_ms = self._v_time.expect(levels.gpu_ms)
+        return Selection(view.ids, levels.detail, work, predicted_ms=expected_ms)
 
     def _choose(
         self, cost_ms: FloatArray, benefit: FloatArray, budget_ms: float, last: IntArray

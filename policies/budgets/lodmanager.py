@@ -2,16 +2,17 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..frame_times import Completed
 from ..protocol import Capabilities
 from ..selection import Selection, Work
+from ..shared.kept import Kept
 from ..shared.level_pools import SharedLevels
 from ..shared.ranges import (
     AtLeastOne,
@@ -26,7 +27,30 @@ from ..shared.reports import Reports
 from ..thresholds.static_distance import distance_range
 from ..view import View
 
-_NONE = np.empty(0, dtype=np.int32)
+
+class _Same(NamedTuple):
+    """What is the same of some nodes in every frame: number, last and first of their slots."""
+
+    slots: FloatArray
+    last: FloatArray
+    first: IntArray
+
+
+class _Turns(NamedTuple):
+    """Positions in the order of visits, without those whose visit changes nothing.
+
+    Attributes
+    ----------
+    at : (v,) int
+    visits : int
+        Objects that have their turn.
+    differing : int
+        Those that need another level.
+    """
+
+    at: IntArray
+    visits: int
+    differing: int
 
 
 @dataclass
@@ -92,6 +116,8 @@ class LodManager:
         self._slots = np.where(soft, self.slots, scene.types.levels.level_count)
         self._first_slot = np.cumsum(self._slots) - self._slots
         self._shares = soft & self.sharing
+        self._any_shares = bool(self._shares.any())
+        self._kept = Kept(self._gather)
         self._levels = SharedLevels(len(scene), int(self._slots.sum()))
         self._all = np.arange(len(scene), dtype=np.int32)
 
@@ -99,18 +125,27 @@ class LodManager:
         """Borrow or extract where the level shown is not similar to the one wanted."""
         self._steer(view.completed)
         seen = view if self.active is None else view.at(self._all)
-        kind, lod = seen.type_index, self._wanted_lod(seen)
-        place = lod if self.spacing == 1.0 else lod**self.spacing
-        step = np.minimum(np.trunc(place * self._slots[kind]), self._slots[kind] - 1)
-        slot = self._first_slot[kind] + step.astype(np.int32)
-        order, differing = self._order(seen, lod, slot)
-        self._update(seen, order, lod[order], slot[order])
-        source = self._levels.source[view.ids]
+        same, lod = self._kept.of(seen), self._wanted_lod(seen)
+        step = same.slots * (lod if self.spacing == 1.0 else lod**self.spacing)
+        np.minimum(np.trunc(step, out=step), same.last, out=step)
+        slot = step.astype(np.int32)
+        slot += same.first
+        turns = self._turns(seen, lod, slot)
+        if len(turns.at):
+            self._update(seen, turns.at, lod[turns.at], slot[turns.at])
         # What an engine does: a look at each object, a sort, and a look at each slot wanted.
-        compared = len(order) + differing * differing.bit_length()
+        compared = turns.visits + turns.differing * turns.differing.bit_length()
         work = Work(objects_visited=len(seen), comparisons=compared)
-        detail = self._levels.detail[source]
-        return Selection(view.ids, detail, work, source if self._shares.any() else None)
+        detail = self._levels.detail
+        if not self._any_shares:
+            return Selection(view.ids, detail.take(view.ids), work)
+        source = self._levels.source.take(view.ids)
+        return Selection(view.ids, detail.take(source), work, source)
+
+    def _gather(self, seen: View) -> _Same:
+        kind = seen.type_index
+        slots = self._slots.take(kind).astype(np.float64)
+        return _Same(slots, slots - 1.0, self._first_slot.take(kind).astype(np.int32))
 
     def _steer(self, completed: Completed) -> None:
         ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
@@ -121,18 +156,25 @@ class LodManager:
 
     def _wanted_lod(self, seen: View) -> FloatArray:
         near_m, far_m = self._range_m
-        lod = 1.0 - (seen.distance_m - near_m) / (far_m - near_m)
-        np.clip(lod, 0.0, 1.0, out=lod)
-        return lod if self._exponent == 1.0 else lod**self._exponent
+        lod = seen.distance_m - near_m
+        lod /= far_m - near_m
+        np.subtract(1.0, lod, out=lod)
+        np.minimum(np.maximum(lod, 0.0, out=lod), 1.0, out=lod)
+        return lod if self._exponent == 1.0 else np.power(lod, self._exponent, out=lod)
 
-    def _order(self, seen: View, lod: FloatArray, slot: IntArray) -> tuple[IntArray, int]:
-        """Return positions in the order of visits, and how many need another level."""
-        shown, shown_lod = self._levels.shown(seen.ids)
-        differs = shown != slot
+    def _turns(self, seen: View, lod: FloatArray, slot: IntArray) -> _Turns:
+        levels, n = self._levels, len(seen)
+        if self.active is None and not self._any_shares:
+            # All show their own levels, and whose turn comes first makes no difference.
+            at = (levels.slot.take(seen.ids) != slot).nonzero()[0]
+            return _Turns(at, n if len(at) else 0, len(at))
+        shown, shown_lod = levels.shown(seen.ids)
+        differs, new = shown != slot, shown < 0
         gap = np.where(differs, np.abs(lod - shown_lod), 0.0)
-        new = shown < 0
+        differing, limit = int(np.count_nonzero(differs)), n
         if self.active is None:
-            at, limit = np.arange(len(seen)), len(seen)
+            at = self._concerned(seen, differs)
+            visits = n if differing else 0
         else:
             inside = seen.inside
             gap[~inside] *= self.outside
@@ -140,19 +182,39 @@ class LodManager:
             lends = self._shares[seen.type_index]
             at = np.flatnonzero(differs & (inside | (lends & (gap > 0.0))))
             limit = max(self.active, int(np.count_nonzero(new)))
-        count = int(np.count_nonzero(differs[at]))
-        if not count:
-            return at[:0], 0
+            differing, visits = len(at), min(len(at), limit)
         gap[new] = np.inf
-        off_median = np.abs(lod - _median_of_slot(lod, slot))
-        order = np.lexsort((seen.distance_m[at], off_median[at], -gap[at]))
-        return at[order[:limit]], count
+        off_median = np.abs(lod[at] - _median_of_slot(lod, slot, at))
+        order = np.lexsort((seen.distance_m[at], off_median, -gap[at]))
+        return _Turns(at[order[:limit]], visits, differing)
+
+    def _concerned(self, seen: View, differs: BoolArray) -> IntArray:
+        """Return positions of objects that need another level, or borrow from one that may.
+
+        All others would be left as they are: none borrows itself, and nobody takes a slot away.
+        """
+        source = self._levels.source.take(seen.ids)
+        borrows = ~differs & (source != seen.ids)
+        moving = np.zeros(len(seen.scene), dtype=np.bool_)
+        concerned = differs
+        while True:
+            moving[seen.ids[concerned]] = True
+            more = borrows & moving.take(source) & ~concerned
+            if not more.any():
+                return concerned.nonzero()[0]
+            concerned = concerned | more
 
     def _update(self, seen: View, order: IntArray, lod: FloatArray, slot: IntArray) -> None:
         """Let the objects at these positions have their turns."""
         levels, node, kind = self._levels, seen.ids[order], seen.type_index[order]
         detail = self._detail(seen.scene.types.levels, kind, lod, slot)
-        inside, shares = seen.inside[order], self._shares[kind]
+        inside = seen.state.inside[node]
+        if not self._any_shares:
+            # Whoever has a turn here needs another level, and nobody lends.
+            at = inside.nonzero()[0]
+            levels.extract(node[at], slot[at], lod[at], detail[at])
+            return
+        shares = self._shares[kind]
         shown, _ = levels.shown(node)
         own = np.flatnonzero(~shares & inside & (shown != slot))
         levels.extract(node[own], slot[own], lod[own], detail[own])
@@ -170,9 +232,15 @@ class LodManager:
         )
 
 
-def _median_of_slot(lod: FloatArray, slot: IntArray) -> FloatArray:
-    """Return for each object the lower median of the factors wanted in its slot, (m,)."""
-    order = np.lexsort((lod, slot))
-    first = np.searchsorted(slot[order], slot, side="left")
-    last = np.searchsorted(slot[order], slot, side="right") - 1
-    return lod[order[(first + last) // 2]]
+def _median_of_slot(lod: FloatArray, slot: IntArray, at: IntArray) -> FloatArray:
+    """Return for objects at some positions the lower median of the factors wanted in their slot."""
+    if not len(at):
+        return np.zeros(0)
+    asked = np.zeros(int(slot.max()) + 1, dtype=np.bool_)
+    asked[slot[at]] = True
+    some = asked.take(slot).nonzero()[0]
+    some = some[np.lexsort((lod[some], slot[some]))]
+    ordered = slot[some]
+    first = np.searchsorted(ordered, slot[at], side="left")
+    last = np.searchsorted(ordered, slot[at], side="right") - 1
+    return lod[some[(first + last) // 2]]

@@ -93,7 +93,7 @@ class LevelChoices:
         rows = levels.start[:-1, None] + np.arange(width)
         self._rows = rows = np.minimum(rows, levels.start[1:, None] - 1)
         self._samples = level_primitives(levels)[rows]
-        self._accuracy = _accuracy(self._samples, exponent)
+        self._accuracy = accuracy_of(self._samples, exponent)
         self._resolution = levels.resolution[rows]
 
     def offer(self, view: View, weight: Weight) -> Offer:
@@ -130,7 +130,7 @@ class _Fronts:
     def __init__(self, scene: Scene, costs: FrameCost, exponent: float) -> None:
         self._scene, self._costs = scene, costs
         tree, levels = Tree(scene), scene.types.levels
-        self._accuracy = _accuracy(level_primitives(levels), exponent)
+        self._accuracy = accuracy_of(level_primitives(levels), exponent)
         self._first_row = levels.start[:-1][scene.type_index]
         self._solid = tree.leaf | (tree.primitives > 0.0)
         root, depth = np.arange(len(scene)), np.zeros(len(scene), dtype=np.int32)
@@ -199,5 +199,6 @@ def distinct(kind: IntArray) -> int:
     return int(np.count_nonzero(np.bincount(kind)))
 
 
-def _accuracy(samples: FloatArray, exponent: float) -> FloatArray:
+def accuracy_of(samples: FloatArray, exponent: float) -> FloatArray:
+    """Return ``1 - BASE_ERROR / samples^exponent``, of at least one sample."""
     return 1.0 - BASE_ERROR / np.maximum(samples, 1.0) ** exponent

@@ -1,5 +1,7 @@
 """Levels by their error on the screen."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...base.arrays import FloatArray
@@ -7,6 +9,14 @@ from ...models.scene.scene import Scene
 from ..selection import Selection, Work
 from ..view import View
 from .discretise import detail_of_level, level_of_detail
+from .kept import Kept
+
+
+class _Same(NamedTuple):
+    """What is the same of some candidates in every frame: errors of their levels, and scales."""
+
+    error_m: FloatArray  # (L, m)
+    scale: FloatArray
 
 
 class ErrorLadder:
@@ -19,6 +29,7 @@ class ErrorLadder:
         real = width < levels.level_count[:, None]
         self._error_m = np.where(real, levels.error_m[row], np.inf)
         self._levels, self._scale = levels, scene.scale
+        self._kept = Kept(self._gather)
 
     def select(self, view: View, threshold_px: float, hysteresis: float) -> Selection:
         """Return the coarsest level (or knot) of every candidate with at most this error in px.
@@ -27,18 +38,26 @@ class ErrorLadder:
         is worse, that one is drawn.  A level coarser than the last one needs an error smaller than
         the threshold by the hysteresis share.
         """
-        allowed_m = view.nearest_m / (view.camera.focal_px * self._scale[view.ids])
+        same = self._kept.of(view)
+        allowed_m = view.nearest_m / (view.camera.focal_px * same.scale)
         allowed_m *= threshold_px
-        level = self._coarsest(view, allowed_m)
+        level = _coarsest(same.error_m, allowed_m)
         if hysteresis:
             before = level_of_detail(self._levels, view.type_index, view.previous_detail)
-            late = self._coarsest(view, allowed_m * (1.0 - hysteresis))
+            late = _coarsest(same.error_m, allowed_m * (1.0 - hysteresis))
             # Coarser only as far as the margin allows too; a comparison with NaN is false.
             hold = level > before
             level[hold] = np.maximum(late, before)[hold]
         detail = detail_of_level(self._levels, view.type_index, level)
         return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
-    def _coarsest(self, view: View, allowed_m: FloatArray) -> FloatArray:
-        good = self._error_m[view.type_index] <= allowed_m[:, None]
-        return np.maximum(np.count_nonzero(good, axis=1) - 1.0, 0.0)
+    def _gather(self, view: View) -> _Same:
+        error_m = np.ascontiguousarray(self._error_m.take(view.type_index, axis=0).T)
+        return _Same(error_m, self._scale.take(view.ids))
+
+
+def _coarsest(error_m: FloatArray, allowed_m: FloatArray) -> FloatArray:
+    good = np.less_equal(error_m, allowed_m)
+    level = np.add.reduce(good, axis=0, dtype=np.float64)
+    level -= 1.0
+    return np.maximum(level, 0.0, out=level)

@@ -24,18 +24,18 @@ class Reports:
         `times_ms` is a column of `Completed`: the reports of all frames so far.
         """
         first, self._read = self._read, len(times_ms)
-        new = times_ms[first:]
-        if not len(new):
-            return np.empty(0, dtype=np.int32), new
-        before = np.concatenate(((times_ms[first - 1] if first else math.nan,), new[:-1]))
-        good = np.isfinite(new) & (new > 0.0) & ((new != before) | (new > target_ms))
-        at = np.flatnonzero(good)
-        return first + at, new[at]
+        good = [at for at in range(first, self._read) if _believable(times_ms, at, target_ms)]
+        frames = np.array(good, dtype=np.intp)
+        return frames, times_ms[frames]
 
     def newest_ms(self, times_ms: FloatArray, target_ms: float) -> float:
         """Return the newest believable time since the last call, or NaN."""
-        _, new = self.new(times_ms, target_ms)
-        return float(new[-1]) if len(new) else math.nan
+        first, self._read = self._read, len(times_ms)
+        # From the newest back: usually there is one new report, and it is good.
+        for at in range(self._read - 1, first - 1, -1):
+            if _believable(times_ms, at, target_ms):
+                return float(times_ms[at])
+        return math.nan
 
 
 def steer(value: float, ratio: float, gain: float, dead_band: float, rate_limit: float) -> float:
@@ -45,4 +45,11 @@ def steer(value: float, ratio: float, gain: float, dead_band: float, rate_limit:
     """
     if math.isnan(ratio) or abs(ratio - 1.0) <= dead_band:
         return value
-    return value * float(np.clip(ratio**gain, 1.0 / rate_limit, rate_limit))
+    return value * min(max(ratio**gain, 1.0 / rate_limit), rate_limit)
+
+
+def _believable(times_ms: FloatArray, at: int, target_ms: float) -> bool:
+    time_ms = float(times_ms[at])
+    if not math.isfinite(time_ms) or time_ms <= 0.0:
+        return False
+    return time_ms > target_ms or at == 0 or time_ms != times_ms[at - 1]

@@ -65,27 +65,26 @@ class StaticDistance:
         near_m, far_m = distance_range("static-distance", scene, self.near_m, self.far_m)
         self._near_m = near_m
         self._per_m = 1.0 / (far_m - near_m)
-        self._count = scene.types.levels.level_count.astype(np.float64)
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
-        count = self._count[view.type_index]
+        nodes = view.nodes
         level = view.distance_m - self._near_m
         level *= self._per_m
-        level *= count
+        level *= nodes.coarsest_level + 1.0
         np.floor(level, out=level)
-        count -= 1.0
-        np.minimum(np.maximum(level, 0.0, out=level), count, out=level)
+        np.maximum(level, 0.0, out=level)
+        np.minimum(level, nodes.coarsest_level, out=level)
         if self.hysteresis:
             self._hold(level, view)
-        detail = detail_of_level(view.scene.types.levels, view.type_index, level)
+        detail = detail_of_level(view.scene.types.levels, nodes.type_index, level)
         return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
     def _hold(self, level: FloatArray, view: View) -> None:
         """Keep the previous level where a node is only slightly nearer than its threshold."""
         table = view.scene.types.levels
         before = level_of_detail(table, view.type_index, view.previous_detail)
-        count = self._count[view.type_index]
+        count = view.nodes.coarsest_level + 1.0
         threshold_m = self._near_m + before / (count * self._per_m)
         near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)
         hold = (level < before) & near  # a comparison with NaN, never drawn before, is false

@@ -1,8 +1,9 @@
 """What a frame draws and costs, counted by the simulator for every policy alike."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.machine.cost_terms.term import Footprint
@@ -12,6 +13,9 @@ from ...models.scene.scene import Scene
 from ...policies.selection import Selection
 from ...policies.view import View
 from .switches import Drawn, Switches
+
+_Rows: TypeAlias = tuple[NDArray[np.int64], FloatArray | None, FloatArray]
+"""Rows, fractions and errors of what is drawn, as in `Drawn`."""
 
 
 class Tally(NamedTuple):
@@ -29,34 +33,44 @@ class Accounting:
         levels = scene.types.levels
         self._scene, self._levels, self._costs = scene, levels, costs
         self._any_continuous = bool(levels.continuous.any())
-        self._finest = levels.start[:-1].astype(np.int64)
+        none = np.zeros(0, dtype=np.int64)
+        self._rows: _Rows = (none, None, np.zeros(0))
+        # Rows of frames in which nothing changes are the same array, and so is what they come to.
+        self._row, self._full_row = none, none
+        self._load = self._full_load = costs.load(none)
         self.viewport_px = float(camera.viewport_px)
         self.switches = Switches(len(scene), crossfade_ns, self.viewport_px)
 
-    def drawn(self, selection: Selection, view: View) -> Drawn:
-        """Return what a valid selection draws."""
+    def drawn(self, selection: Selection, view: View, *, repeats: bool = False) -> Drawn:
+        """Return what a valid selection draws.
+
+        `repeats` says that it is the same nodes at the same details as in the call before.
+        """
         # A policy that draws all candidates hands the view's own ids back, and their projections
         # are there already.
         seen = view if selection.ids is view.ids else view.at(selection.ids)
-        detail, fraction = selection.detail, None
+        if not repeats:
+            self._rows = self._place(seen, selection.detail)
+        row, fraction, error_m = self._rows
+        return Drawn(seen.ids, selection.detail, row, fraction, seen, error_m, seen.px_per_m)
+
+    def _place(self, seen: View, detail: FloatArray) -> _Rows:
+        """Return row, fraction and error of each node's detail."""
         if self._any_continuous:
             row, fraction = self._levels.position(seen.type_index, detail)
             row = row.astype(np.int64)
-            error_m = self._levels.interpolate(self._levels.error_m, row, fraction)
-        else:
-            # A discrete detail is a whole number of levels below the finest: no search is needed.
-            row = self._finest.take(seen.type_index)
-            row += detail.astype(np.int64)
-            error_m = self._levels.error_m.take(row)
-        # In place: three temporary arrays a frame are what this function would take most time for.
-        px_per_m = self._scene.scale.take(seen.ids)
-        px_per_m *= view.camera.focal_px
-        px_per_m /= seen.nearest_m
-        return Drawn(seen.ids, detail, row, fraction, seen, error_m, px_per_m)
+            return row, fraction, self._levels.interpolate(self._levels.error_m, row, fraction)
+        # A discrete detail is a whole number of levels below the finest: no search is needed.
+        row = detail.astype(np.int64)
+        row += seen.nodes.finest_row
+        return row, None, self._levels.error_m.take(row)
 
     def full_gpu_ms(self, view: View) -> float:
         """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
-        return self._costs.frame(self._finest.take(view.type_index), view, self.viewport_px).gpu_ms
+        row = view.nodes.finest_row
+        if row is not self._full_row:
+            self._full_row, self._full_load = row, self._costs.load(row)
+        return self._costs.frame(row, view, self.viewport_px, load=self._full_load).gpu_ms
 
     def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included.
@@ -64,7 +78,8 @@ class Accounting:
         Shaded samples and the framebuffer's pixels go with the square of the render scale.
         """
         row, fraction, seen = drawn.row, drawn.fraction, drawn.seen
-        at, old_row = self.switches.fading(time_ns, drawn.ids)
+        at, old_row = self.switches.fading(time_ns, drawn.at)
+        load = None
         if len(at):
             # Both levels are drawn at the same place.  The one that goes is drawn as its row, of a
             # continuous node a knot, since a toggle is told by rows.
@@ -72,8 +87,17 @@ class Accounting:
             seen = _DrawnTwice(seen, at)
             if fraction is not None:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
+        else:
+            if row is not self._row:
+                self._row, self._load = row, self._costs.load(row, fraction)
+            load = self._load
         price = self._costs.frame(
-            row, seen, self.viewport_px, fraction=fraction, pixel_share=render_scale * render_scale
+            row,
+            seen,
+            self.viewport_px,
+            fraction=fraction,
+            pixel_share=render_scale * render_scale,
+            load=load,
         )
         return Tally(self._costs.counts(price), price.gpu_ms, len(at))
 

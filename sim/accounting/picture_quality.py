@@ -1,11 +1,10 @@
 """Error, benefit and degradation of what a frame shows, beside those of full detail."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray, sum_rows
 from ...models.scene.benefit import BASE_ERROR, level_accuracy, level_primitives
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
@@ -26,15 +25,28 @@ class Quality(NamedTuple):
     missing: int
 
 
-def screen_errors(drawn: Drawn) -> tuple[float, float]:
-    """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px."""
-    if not len(drawn.ids):
-        return 0.0, 0.0
-    sse_px = drawn.error_m * drawn.px_per_m
-    # Only the rank is needed: partition is O(n), where a sort or a quantile is not.
-    rank = int(0.95 * (len(sse_px) - 1))
-    sse_px.partition(rank)
-    return float(sse_px[rank]), float(sse_px[rank:].max())
+class ScreenErrors:
+    """Errors on the screen of what frames draw, one frame after another."""
+
+    def __init__(self) -> None:
+        self._below_px = 0.0  # where the next frame's percentile should not be
+
+    def of(self, drawn: Drawn) -> tuple[float, float]:
+        """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px."""
+        if not len(drawn.ids):
+            return 0.0, 0.0
+        sse_px = drawn.error_m * drawn.px_per_m
+        rank = int(0.95 * (len(sse_px) - 1))
+        # Only what may be at or above the rank is sorted out: errors change little from frame to
+        # frame, and a partition of all of them takes most of the time.
+        top_px = sse_px.take((sse_px >= self._below_px).nonzero()[0])
+        rank -= len(sse_px) - len(top_px)
+        if rank < 0:
+            top_px, rank = sse_px, rank + len(sse_px) - len(top_px)
+        top_px.partition(rank)
+        percentile_px = float(top_px[rank])
+        self._below_px = 0.9 * percentile_px
+        return percentile_px, float(np.maximum.reduce(top_px[rank:]))
 
 
 class FlatQuality:
@@ -42,15 +54,17 @@ class FlatQuality:
 
     def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
-        self._scene, self._levels = scene, levels
-        self._any_continuous = bool(levels.continuous.any())
-        self._finest = levels.start[:-1].astype(np.int64)
+        self._levels = levels
         self._primitives = level_primitives(levels)
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
         per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
         self._per_level = np.stack((level_accuracy(levels), per_primitive))
         self._unit_importance = bool((scene.importance == 1.0).all())
+        # Accuracies and reciprocals of all that is drawn, and of all at full detail; gathered anew
+        # where rows change.
+        self._drawn_row = self._full_row = np.zeros(0, dtype=np.int64)
+        self._drawn = self._full = np.zeros((2, 0))
 
     def units(self, view: View) -> View:
         """Return the view of all objects in the frustum: the candidates."""
@@ -58,37 +72,32 @@ class FlatQuality:
 
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
+        if drawn.row is not self._drawn_row:
+            self._drawn_row, self._drawn = drawn.row, self._scores(drawn)
+        if units.nodes.finest_row is not self._full_row:
+            self._full_row = units.nodes.finest_row
+            self._full = self._per_level.take(self._full_row, axis=1)
         # Where all candidates are drawn, what is drawn weighs as much as what could be.
-        weight = whole = self._weight(units.ids, units.area_px)
-        full_row = self._finest.take(units.type_index)
-        full = np.zeros(len(units)) if self._any_continuous else None
-        full_benefit, full_degradation = self._sums(whole, full_row, full)
+        weight = whole = self._weight(units)
         if drawn.ids is not units.ids:
-            weight = self._weight(drawn.ids, drawn.area_px)
-        benefit, degradation = self._sums(weight, drawn.row, drawn.fraction)
+            weight = self._weight(drawn.seen)
+        benefit, degradation = sum_rows(self._drawn, weight)
+        full_benefit, full_degradation = sum_rows(self._full, whole)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
             # One primitive for each that is missing: its whole weight, over 1.
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
-    def _sums(
-        self, weight: FloatArray, row: NDArray[np.int64], fraction: FloatArray | None
-    ) -> tuple[float, float]:
-        """Return the weighted sums of accuracy and of one over primitives."""
-        if fraction is None:
-            # Sums by level before they meet the tables, as many objects share one.
-            # numpy's stubs say that bincount returns integers with weights too.
-            per_row: Any = np.bincount(row, weight, len(self._primitives))
-            sums = np.add.reduce(self._per_level * per_row, axis=1)
-        else:
-            primitives = self._levels.interpolate(self._primitives, row, fraction)
-            scores = np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
-            sums = np.add.reduce(scores * weight, axis=1)
-        return float(sums[0]), float(sums[1])
+    def _scores(self, drawn: Drawn) -> FloatArray:
+        """Return accuracy and one over primitives of each node drawn, (2, m)."""
+        if drawn.fraction is None:
+            return self._per_level.take(drawn.row, axis=1)
+        primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
+        return np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
 
-    def _weight(self, ids: IntArray, area_px: FloatArray) -> FloatArray:
-        return area_px if self._unit_importance else area_px * self._scene.importance.take(ids)
+    def _weight(self, view: View) -> FloatArray:
+        return view.area_px if self._unit_importance else view.area_px * view.nodes.importance
 
 
 class TreeQuality:

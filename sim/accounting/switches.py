@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-from ...models.machine.cost_terms.term import Footprint
+from ...policies.view import View
 
 REVERSAL_NS = 500_000_000
 """A switch undone within half a second is a reversal (three.js issue 14565 is the complaint)."""
@@ -31,8 +31,8 @@ class Drawn:
         Row of the level table; with `fraction`, where between it and the next row.
     fraction : float64 or None
         None where every drawn node is discrete.
-    seen : Footprint
-        Of these nodes in the window; `area_px` is its.
+    seen : View
+        Of these nodes; `area_px` is its.
     error_m : float64
         Geometric error of the level, before scale.
     px_per_m : float64
@@ -43,7 +43,7 @@ class Drawn:
     detail: FloatArray
     row: NDArray[np.int64]
     fraction: FloatArray | None
-    seen: Footprint
+    seen: View
     error_m: FloatArray
     px_per_m: FloatArray
 
@@ -51,6 +51,11 @@ class Drawn:
     def area_px(self) -> FloatArray:
         """Projected area of each node's bounding sphere, (m,)."""
         return self.seen.area_px
+
+    @property
+    def at(self) -> NDArray[np.intp]:
+        """The nodes as numpy indexes fastest, (m,)."""
+        return self.seen.nodes.at
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +89,8 @@ class Switches:
         # Frame and row of the last drawing in one number, so that one comparison tells the many
         # nodes that go on unchanged from the few that do not.
         self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
+        self._row, self._ids = _NO_ROWS, _NOWHERE  # of the last frame
+        self._repeats = False  # whether that one drew the same as the one before
         # No row is -1: what has never toggled cannot return.
         self._from_row = np.full(nodes, -1, dtype=np.int32)
         self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
@@ -97,11 +104,21 @@ class Switches:
         self.detail.flags.writeable = False
 
     def record(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
-        """Record what a frame draws and return its switches."""
-        ids = drawn.ids
+        """Record what a frame draws, and return its switches; frames come one by one."""
+        ids = drawn.at
+        if drawn.row is self._row and ids is self._ids:
+            self._repeats = True
+            return _NO_SWITCHES
+        if self._repeats:
+            # The stamps were left as they were for as long as nothing changed.
+            self._stamp[self._ids] = self._row + ((frame - 1) << _ROW_BITS)
+            self._repeats = False
+        self._row, self._ids = drawn.row, ids
+        stamp = drawn.row + (frame << _ROW_BITS)
         before = self._stamp.take(ids)
-        self._stamp[ids] = drawn.row + (frame << _ROW_BITS)
-        other = before != drawn.row + ((frame - 1) << _ROW_BITS)
+        self._stamp[ids] = stamp
+        stamp -= 1 << _ROW_BITS
+        other = before != stamp
         if drawn.fraction is not None:
             # The same row at another fraction pops too.
             other |= self._detail.take(ids) != drawn.detail
@@ -123,12 +140,12 @@ class Switches:
         """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
         if not len(at):
             return _NO_SWITCHES
-        step = np.abs(drawn.error_m[at] - self._error_m[drawn.ids[at]]) * drawn.px_per_m[at]
+        step = np.abs(drawn.error_m[at] - self._error_m[drawn.at[at]]) * drawn.px_per_m[at]
         popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
         new_row = drawn.row[at]
         # Between two knots detail changes, and the picture with it, but no level is switched.
         passed = old_row != new_row
-        ids, new_row, old_row = drawn.ids[at][passed], new_row[passed], old_row[passed]
+        ids, new_row, old_row = drawn.at[at][passed], new_row[passed], old_row[passed]
         # Both before they are overwritten by this toggle.
         undone = (self._from_row[ids] == new_row) & (time_ns - self._switch_ns[ids] <= REVERSAL_NS)
         self._from_row[ids] = old_row
@@ -138,7 +155,9 @@ class Switches:
             self._fade_end_ns[ids] = time_ns + self._crossfade_ns
         return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px)
 
-    def fading(self, time_ns: int, ids: IntArray) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+    def fading(
+        self, time_ns: int, ids: NDArray[np.intp]
+    ) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return positions in `ids` of nodes still in a cross-fade, and the rows they leave."""
         if not self._crossfade_ns:
             return _NOWHERE, _NO_ROWS

@@ -10,7 +10,15 @@ from hypothesis import strategies as st
 from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric import Metric
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.metrics.statistic import mean, quantile
+from lodbench.analysis.metrics.sample import Sample
+from lodbench.analysis.metrics.statistic import (
+    fps_low_integral,
+    fps_low_mean,
+    maximum,
+    mean,
+    quantile,
+    sd,
+)
 from lodbench.analysis.verdict.bootstrap import BLOCKS, Blocks, draw_blocks
 from lodbench.sim.frame_log import FrameLog
 
@@ -22,20 +30,35 @@ def blocks(resamples: int, seed: int = 0) -> Blocks:
     return draw_blocks(np.random.SeedSequence(seed), resamples)
 
 
-def test_rows_by_hand() -> None:
+def frames_of(sample: Sample) -> list[list[int]]:
+    """Return the frames of each sample, one by one."""
+    return [
+        [at % sample.frames for pair in zip(first, past, strict=True) for at in range(*pair)]
+        for first, past in zip(sample.first.tolist(), sample.past.tolist(), strict=True)
+    ]
+
+
+def sample_of(drawn: Blocks, time_ns: np.ndarray) -> Sample:
+    """Return all resamples of a short run at once."""
+    (sample,) = drawn.samples(time_ns)
+    return sample
+
+
+def test_stretches_by_hand() -> None:
     """Two blocks of half a run of 4 frames: from a quarter on, and from the last frame round."""
-    rows = Blocks(np.array([[0.25, 0.75]])).rows(np.array([0, 10, 20, 30], dtype=np.int64))
-    assert rows.tolist() == [[1, 2, 3, 0]]
+    time_ns = np.array([0, 10, 20, 30], dtype=np.int64)
+    sample = sample_of(Blocks(np.array([[0.25, 0.75]])), time_ns)
+    assert (sample.first.tolist(), sample.past.tolist()) == ([[1, 3]], [[3, 5]])
+    assert sample.counts().tolist() == [[1, 1, 1, 1]]
+    assert frames_of(sample) == [[1, 2, 3, 0]]
 
 
 def test_uneven_frames_are_taken_by_time() -> None:
-    """A block of half the time holds many short frames or a few long ones; rows are padded."""
+    """A block of half the time holds many short frames or a few long ones."""
     time_ns = np.array([0, 1, 2, 3, 4, 5, 10], dtype=np.int64)
-    rows = Blocks(np.array([[0.0, 0.0], [0.5, 0.5]])).rows(time_ns)
+    sample = sample_of(Blocks(np.array([[0.0, 0.0], [0.5, 0.5]])), time_ns)
     period = 10 * 7 / 6
-    assert rows[0].tolist() == [0, 1, 2, 3, 4, 5] * 2
-    assert [frame for frame in rows[1].tolist() if frame < 7] == [6, 6]
-    assert rows[1].tolist().count(7) == 10
+    assert sample.counts().tolist() == [[2, 2, 2, 2, 2, 2, 0], [0, 0, 0, 0, 0, 0, 2]]
     assert 5 < period / 2 < 10
 
 
@@ -43,10 +66,9 @@ def test_uneven_frames_are_taken_by_time() -> None:
 def test_every_frame_is_drawn_equally_often(steps: list[int], seed: int) -> None:
     """Over starts spread evenly on the circle each frame is in as many blocks as any other."""
     time_ns = np.cumsum(np.array(steps, dtype=np.int64))
-    n = len(time_ns)
     start = (np.arange(6000) + (seed % 997) / 997) / 6000
-    rows = Blocks(np.repeat(start[:, np.newaxis], 10, axis=1)).rows(time_ns)
-    count = np.bincount(rows[rows < n], minlength=n)
+    sample = sample_of(Blocks(np.repeat(start[:, np.newaxis], 10, axis=1)), time_ns)
+    count = sample.counts().sum(axis=0)
     assert count.min() >= 10 * 599
     assert count.max() <= 10 * 601
 
@@ -55,7 +77,7 @@ def test_interval_of_independent_frames_is_the_textbook_one() -> None:
     """For independent values the spread of the resampled mean is the standard error."""
     x = np.random.default_rng(1).normal(10.0, 2.0, 3000)
     time_ns = np.arange(3000, dtype=np.int64) * 16_666_667
-    resampled = mean(x).resampled(blocks(800).rows(time_ns))
+    resampled = np.concatenate([mean(x).of(part) for part in blocks(800).samples(time_ns)])
     assert resampled.std() == pytest.approx(2.0 / np.sqrt(3000), rel=0.35)
     assert resampled.mean() == pytest.approx(x.mean(), abs=0.01)
 
@@ -69,7 +91,7 @@ def test_interval_of_dependent_frames_is_wider() -> None:
     for i in range(1, n):
         x[i] = 0.9 * x[i - 1] + noise[i]
     time_ns = np.arange(n, dtype=np.int64) * 1_000_000
-    resampled = mean(x).resampled(blocks(400).rows(time_ns))
+    resampled = np.concatenate([mean(x).of(part) for part in blocks(400).samples(time_ns)])
     truth = (1.0 / 0.1) / np.sqrt(n)  # sd of the mean of an AR(1): sigma / (1 - phi) / sqrt(n)
     assert resampled.std() == pytest.approx(truth, rel=0.35)
 
@@ -77,10 +99,46 @@ def test_interval_of_dependent_frames_is_wider() -> None:
 def test_resamples_in_chunks_equal_resamples_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Long runs are reduced in parts, with the same result."""
     x = np.random.default_rng(3).random(500)
-    rows = blocks(40).rows(np.arange(500, dtype=np.int64))
-    whole = quantile(x, 0.9).resampled(rows)
-    monkeypatch.setattr("lodbench.analysis.metrics.statistic._LARGEST_MATRIX", 1000)
-    assert quantile(x, 0.9).resampled(rows).tolist() == whole.tolist()
+    time_ns = np.arange(500, dtype=np.int64)
+    whole = quantile(x, 0.9).of(sample_of(blocks(40), time_ns))
+    monkeypatch.setattr("lodbench.analysis.verdict.bootstrap._LARGEST_MATRIX", 1000)
+    parts = list(blocks(40).samples(time_ns))
+    assert len(parts) == 20
+    assert np.concatenate([quantile(x, 0.9).of(part) for part in parts]).tolist() == whole.tolist()
+
+
+@given(st.integers(0, 2**32))
+def test_statistics_are_those_of_the_frames_written_out(seed: int) -> None:
+    """Sums by stretches and quantiles by counts are what numpy says of each resample's frames."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 60))
+    x = rng.choice([1.0, 2.5, 4.0, 5.0, np.nan], n) * rng.choice([1.0, 1.1], n)
+    sample = sample_of(blocks(6, seed), np.cumsum(rng.integers(1, 50, n)))
+    for at, frames in enumerate(frames_of(sample)):
+        known = x[frames][~np.isnan(x[frames])]
+        expected: dict[str, float] = dict.fromkeys(
+            ("mean", "sd", "p90", "max", "low", "part"), np.nan
+        )
+        if len(known):
+            expected |= {"mean": known.mean(), "max": known.max(), "p90": np.quantile(known, 0.9)}
+            # A share of which no rank is whole: there `>=` hangs on a rounding.
+            least = np.quantile(known, 1.0 - 0.23, method="median_unbiased")
+            expected["low"] = 1e3 / known[known >= least].mean()
+            slowest = np.sort(known)[::-1]
+            reached = np.cumsum(slowest)
+            expected["part"] = 1e3 / slowest[np.argmax(reached >= 0.2371 * reached[-1])]
+        if len(known) > 1:
+            expected["sd"] = known.std(ddof=1)
+        got = {
+            "mean": mean(x).of(sample)[at],
+            "sd": sd(x).of(sample)[at] if (~np.isnan(x)).any() else np.nan,
+            "p90": quantile(x, 0.9).of(sample)[at],
+            "max": maximum(x).of(sample)[at],
+            "low": fps_low_mean(x, 0.23).of(sample)[at],
+            "part": fps_low_integral(x, 0.2371).of(sample)[at],
+        }
+        # A deviation of 0 is off by the root of a rounding.
+        assert got == pytest.approx(expected, rel=1e-9, abs=1e-6, nan_ok=True)
 
 
 def test_same_seed_same_blocks() -> None:
@@ -92,7 +150,7 @@ def test_same_seed_same_blocks() -> None:
 
 @pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.id)
 def test_identity_resample_gives_the_value(metric: Metric, make_log: MakeLog) -> None:
-    """Taking every frame once, and padding, returns the metric itself."""
+    """Two stretches that make every frame once return the metric itself."""
     rng = np.random.default_rng(4)
     n = 300
     work = rng.gamma(20.0, 0.5, n)
@@ -117,5 +175,5 @@ def test_identity_resample_gives_the_value(metric: Metric, make_log: MakeLog) ->
     )
     statistic = metric(MeasuredFrames(log))
     assert statistic is not None
-    rows = np.append(np.arange(n), (n, n))[np.newaxis].astype(np.int32)
-    assert statistic.resampled(rows)[0] == pytest.approx(statistic.value(), rel=1e-12)
+    sample = Sample(n, np.array([[100, 250]]), np.array([[250, 400]]))
+    assert statistic.of(sample)[0] == pytest.approx(statistic.value(), rel=1e-12)

@@ -33,7 +33,8 @@ def test_moving_objects_stay_inside(ball_scene: tuple[Scene, Geometry]) -> None:
     center, size = scene_extent(scene)
     slack = np.inf
     for time_s in np.linspace(0.0, 50.0, 2_001):
-        moved = scene.center_m[motion.node] + motion.offset_m(float(time_s))
+        moved = scene.center_m[motion.node]
+        moved[:, :2] += motion.offset_m(float(time_s)).T
         reach = np.abs(moved - center) + scene.radius_m[motion.node][:, None]
         slack = min(slack, float((size / 2 - reach)[:, :2].min()))
     assert 0.0 <= slack < 0.01

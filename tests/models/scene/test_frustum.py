@@ -109,7 +109,7 @@ def test_boundaries_by_hand() -> None:
     assert ids.dtype == np.int32
 
 
-@pytest.mark.parametrize("count", [1, 15_999, 16_000, 16_001, 40_000])
+@pytest.mark.parametrize("count", [1, 3_999, 4_000, 4_001, 40_000])
 def test_blocks_make_no_difference(count: int) -> None:
     """Many spheres are culled as each would be alone, in ascending order."""
     rng = np.random.default_rng(count)
@@ -132,3 +132,27 @@ def test_the_answer_is_read_only() -> None:
     for array in (ids, xyz_m, culler.inside):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+def test_candidates_that_stay_are_the_same_array() -> None:
+    """Ids are one array while the same spheres are in view, and what was handed out stays."""
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 100, 100, math.pi / 2)
+    culler = Culler(np.ones(2))
+    first, first_xyz_m = culler.cull(np.array([[0.0, 0.0], [0.0, 0.0], [-5.0, 9.0]]), camera)
+    again, again_xyz_m = culler.cull(np.array([[1.0, 0.0], [0.0, 0.0], [-5.0, 9.0]]), camera)
+    assert again is first
+    other, _ = culler.cull(np.array([[9.0, 0.0], [0.0, 0.0], [-5.0, -9.0]]), camera)
+    assert (first.tolist(), other.tolist()) == ([0], [1])
+    assert first_xyz_m.ravel().tolist() == [0.0, 0.0, 5.0]
+    assert again_xyz_m.ravel().tolist() == [1.0, 0.0, 5.0]
+
+
+def test_a_row_of_ones_below_the_centres_changes_nothing() -> None:
+    """The simulator hands over (x, y, z, 1), and the answer is that of (x, y, z)."""
+    rng = np.random.default_rng(5)
+    centers_m, radius_m = rng.uniform(-50, 50, (3, 300)), rng.uniform(0.1, 3.0, 300)
+    camera = Camera((1.0, 2.0, 3.0), turned(0.3, 1.2), 640, 480, 1.0)
+    ids, xyz_m = Culler(radius_m).cull(centers_m, camera)
+    same, same_xyz_m = Culler(radius_m).cull(np.vstack((centers_m, np.ones(300))), camera)
+    assert same.tolist() == ids.tolist()
+    assert same_xyz_m.tolist() == xyz_m.tolist()

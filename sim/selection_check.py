@@ -1,0 +1,62 @@
+"""The check of every selection of a replay, which is short where nothing has changed."""
+
+import numpy as np
+
+from ..models.scene.scene import Scene
+from ..models.scene.tree import Tree
+from ..policies.selection import (
+    Selection,
+    find_wrong_nodes,
+    find_wrong_numbers,
+    find_wrong_values,
+)
+from ..policies.view import View
+from .loader import find_not_resident
+
+
+class SelectionCheck:
+    """Checks the selections of one replay, frame after frame.
+
+    Attributes
+    ----------
+    repeats : bool
+        Whether the last selection draws all candidates at the details of the one before it, and
+        the candidates are the same: then its nodes and details need no second look.
+    """
+
+    def __init__(self, scene: Scene, tree: Tree | None) -> None:
+        self._scene, self._tree = scene, tree
+        # Of the last selection, if it drew all candidates, each from its own index set.
+        self._ids: object = None
+        self._detail = b""
+        self.repeats = False
+
+    def find_violation(self, selection: object, view: View) -> str | None:
+        """Return why a selection breaks its contract, or None; nothing is ever repaired."""
+        self.repeats = type(selection) is Selection and self._is_last(selection, view)
+        if self.repeats:
+            assert isinstance(selection, Selection)
+            return find_wrong_numbers(selection)
+        wrong = find_wrong_values(selection, self._scene)
+        if wrong is not None:
+            return wrong
+        assert isinstance(selection, Selection)
+        plain = selection.ids is view.ids and selection.holder is None
+        self._ids = view.ids if plain else None
+        self._detail = selection.detail.tobytes() if plain else b""
+        wrong = find_wrong_nodes(selection, view.nodes, self._tree)
+        return wrong or find_not_resident(selection, view)
+
+    def _is_last(self, selection: Selection, view: View) -> bool:
+        if self._ids is not view.ids or selection.ids is not view.ids:
+            return False
+        if selection.holder is not None or selection.wanted is not None:
+            return False
+        detail: object = selection.detail
+        # By value: a policy may return the same array every frame with other numbers in it.
+        return (
+            type(detail) is np.ndarray  # another class may say of its bytes what it likes
+            and detail.dtype == np.float64
+            and detail.ndim == 1
+            and detail.tobytes() == self._detail
+        )
