@@ -4,10 +4,12 @@ A command's module is imported when the command is run, so that ``lodbench --hel
 """
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from io import TextIOWrapper
+from types import FrameType
 from typing import Annotated, Any
 
 import typer
@@ -74,7 +76,16 @@ class _LazyGroup(TyperGroup):
             raise typer.Exit(2) from error
         except KeyboardInterrupt as error:
             _print_error("interrupted: nothing more is written")
-            raise typer.Exit(130) from error
+            raise typer.Exit(143 if isinstance(error, _Terminated) else 130) from error
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM, which ends a command as Ctrl-C does: what it started is ended with it."""
+
+
+def _terminate(_number: int, _frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough
+    raise _Terminated
 
 
 def _print_error(line: str) -> None:
@@ -138,6 +149,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # an ASCII or Latin-1 terminal gets ? for × and ·
             stream.reconfigure(errors="replace")
+    signal.signal(signal.SIGTERM, _terminate)
     code = run()
     try:
         sys.stdout.flush()

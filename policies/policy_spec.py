@@ -60,6 +60,12 @@ class PolicySpec:
         return policy
 
 
+def is_oracle(spec: PolicySpec) -> bool:
+    """Whether the class says that it sees the future, without making the policy."""
+    capabilities: object = getattr(spec.cls, "capabilities", None)
+    return isinstance(capabilities, Capabilities) and capabilities.future
+
+
 def parameters(cls: type[Any]) -> list[Parameter]:
     """Return the keyword parameters of a policy class, in order.
 

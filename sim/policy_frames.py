@@ -1,6 +1,7 @@
 """The frames of a replay as one policy decides them: what the pipeline asks for, one by one."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -39,8 +40,9 @@ class PolicyFrames:
         options: ReplayOptions,
         name: str,
         machine: Machine | None,
+        beat: Callable[[int], None] | None,
     ) -> None:
-        self._policy, self._name = policy, name
+        self._policy, self._name, self._beat = policy, name, beat
         future = policy.capabilities.future
         self._oracle = policy if future and isinstance(policy, Clairvoyant) else None
         self._scene = scene.with_costs(hardware.gpu)
@@ -93,6 +95,8 @@ class PolicyFrames:
         if frame == self._options.frames or (self._options.frames is None and self._over(time_ns)):
             self._memory.stop()
             return None
+        if self._beat is not None:
+            self._beat(frame)
         if frame % _PACE_FRAMES == 0:
             self._check_pace(frame, time_ns)
         view = self._show(frame, time_ns)

@@ -1,5 +1,7 @@
 """Replay of a camera trace through the pipeline under one policy."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..models.machine.hardware import HardwareProfile
@@ -22,11 +24,13 @@ def replay(
     *,
     name: str,
     machine: Machine | None = None,
+    beat: Callable[[int], None] | None = None,
 ) -> FrameLog:
     """Replay `trace` through `scene` on `hardware` under `policy`; return its frame log.
 
     The replay ends with the trace or after `options.frames` frames.  The same arguments give the
     same bytes, unless a `machine` that measures stands in for the simulated one.
+    `beat` is called with the number of each frame as it begins: a watcher's sign of life.
 
     Raises
     ------
@@ -36,7 +40,7 @@ def replay(
         If the policy raises or a selection breaks its contract.
     """
     options.require_end(trace.name, trace.duration_s * hardware.display.refresh_hz)
-    frames = PolicyFrames(policy, scene, trace, hardware, options, name, machine)
+    frames = PolicyFrames(policy, scene, trace, hardware, options, name, machine, beat)
     pipeline = Pipeline(frames, hardware.display, hardware.frames_in_flight)
     frames.attach(pipeline)
     pipeline.run()

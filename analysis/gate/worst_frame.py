@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...sim.frame_log import FrameLog
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import find_metric
 
 
@@ -41,7 +41,7 @@ def find_worst(logs: Sequence[FrameLog], warmup: int, metric_id: str) -> WorstFr
     largest = metric.better == "lower" or metric.unit == "fps"
     worst: tuple[float, FrameLog, int] | None = None
     for log in logs:
-        statistic = metric(Run(log, warmup))
+        statistic = metric(MeasuredFrames(log, warmup))
         if statistic is None or not statistic.support:
             continue
         values = _per_frame(statistic.series)

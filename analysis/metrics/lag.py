@@ -3,14 +3,14 @@
 import numpy as np
 
 from ...base.arrays import FloatArray
-from .measured_frames import Run
+from .measured_frames import MeasuredFrames
 from .metric import metric
 from .statistic import Statistic, mean, quantile, sd
 from .steps import find_steps
 
 
 @metric("lag", "ms", "lower")
-def lag_ms_mean(run: Run) -> Statistic:
+def lag_ms_mean(run: MeasuredFrames) -> Statistic:
     """Mean time from the sample of the camera to the display of its frame.
 
     Source: lag of Wloka, Presence 4(1), 1995, without the input device; PresentMon DisplayLatency.
@@ -19,7 +19,7 @@ def lag_ms_mean(run: Run) -> Statistic:
 
 
 @metric("lag", "ms", "lower")
-def lag_ms_p99(run: Run) -> Statistic:
+def lag_ms_p99(run: MeasuredFrames) -> Statistic:
     """99th percentile of the time from the sample of the camera to the display of its frame.
 
     Source: as lag_ms_mean.
@@ -28,7 +28,7 @@ def lag_ms_p99(run: Run) -> Statistic:
 
 
 @metric("lag", "ms", "lower")
-def animation_error_ms_mean(run: Run) -> Statistic:
+def animation_error_ms_mean(run: MeasuredFrames) -> Statistic:
     """Mean, without sign, of step between camera samples minus step between displays.
 
     Source: PresentMon MsAnimationError, with the camera sample as start of the simulation.
@@ -37,7 +37,7 @@ def animation_error_ms_mean(run: Run) -> Statistic:
 
 
 @metric("lag", "ms", "lower")
-def settle_ms(run: Run) -> Statistic:
+def settle_ms(run: MeasuredFrames) -> Statistic:
     """Mean time from a step in visible load until the budget holds again.
 
     A step is a rise of full_gpu_ms by a quarter or more within 100 ms to above the budget.  The
@@ -50,7 +50,7 @@ def settle_ms(run: Run) -> Statistic:
 
 
 @metric("lag", "ratio", "lower")
-def overshoot_ratio(run: Run) -> Statistic:
+def overshoot_ratio(run: MeasuredFrames) -> Statistic:
     """Mean over steps in visible load of the largest work_ms until the budget has held, over it.
 
     Source: the "unavoidable overshoot" of feedback algorithms in Gobbetti and Bouvier,
@@ -60,7 +60,7 @@ def overshoot_ratio(run: Run) -> Statistic:
 
 
 @metric("lag", "%", "lower")
-def prediction_error_pct_mean(run: Run) -> Statistic:
+def prediction_error_pct_mean(run: MeasuredFrames) -> Statistic:
     """Mean, without sign, of predicted minus measured GPU time over measured; predictive policies.
 
     Source: estimate error in per cent, as the HLOD thesis reports it, here without sign.
@@ -69,7 +69,7 @@ def prediction_error_pct_mean(run: Run) -> Statistic:
 
 
 @metric("lag", "%", "lower")
-def prediction_error_pct_sd(run: Run) -> Statistic:
+def prediction_error_pct_sd(run: MeasuredFrames) -> Statistic:
     """Sample standard deviation of predicted minus measured GPU time over measured, signed.
 
     Source: spread of the estimate error, as the HLOD thesis reports it.
@@ -77,13 +77,13 @@ def prediction_error_pct_sd(run: Run) -> Statistic:
     return sd(prediction_error_pct(run))
 
 
-def prediction_error_pct(run: Run) -> FloatArray:
+def prediction_error_pct(run: MeasuredFrames) -> FloatArray:
     """Return the signed error of each predicted GPU time, (n,); NaN where nothing was predicted."""
     measured = np.where(run["gpu_ms"] > 0.0, run["gpu_ms"], np.nan)
     return 100.0 * (run["predicted_gpu_ms"] - measured) / measured
 
 
-def _at_steps(run: Run, attribute: str) -> FloatArray:
+def _at_steps(run: MeasuredFrames, attribute: str) -> FloatArray:
     values = np.full(len(run), np.nan)
     for step in find_steps(run):
         values[step.frame] = getattr(step, attribute)

@@ -12,7 +12,7 @@ from ...sim.frame_log import FrameLog, LogHeader
 MS_PER_NS = 1e-6
 
 
-class Run:
+class MeasuredFrames:
     """Frames of one replay from the end of its warm-up on.
 
     Every series has a value for each measured frame, NaN where the frame has none.  Differences

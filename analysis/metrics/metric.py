@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from inspect import cleandoc
 from typing import Literal
 
-from .measured_frames import Run
+from .measured_frames import MeasuredFrames
 from .statistic import Statistic
 
 Better = Literal["lower", "higher"]
 Group = Literal["stability", "lag", "flicker", "quality", "work"]
 GROUPS: tuple[Group, ...] = ("stability", "lag", "flicker", "quality", "work")
 
-Function = Callable[[Run], Statistic | None]
+Function = Callable[[MeasuredFrames], Statistic | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class Metric:
     source: str
     function: Function
 
-    def __call__(self, run: Run) -> Statistic | None:
+    def __call__(self, run: MeasuredFrames) -> Statistic | None:
         """Return the statistic of a run, or None where the run cannot have the metric."""
         return self.function(run)
 
-    def value(self, run: Run) -> float | None:
+    def value(self, run: MeasuredFrames) -> float | None:
         """Return the metric's value, or None where the run cannot have it."""
         statistic = self.function(run)
         return None if statistic is None else statistic.value()

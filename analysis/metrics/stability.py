@@ -7,7 +7,7 @@ larger of CPU and GPU time, which no refresh quantises.  Budget metrics judge ``
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
-from .measured_frames import Run
+from .measured_frames import MeasuredFrames
 from .metric import metric
 from .statistic import (
     Statistic,
@@ -27,7 +27,7 @@ _REFRESH_MODES = ("vsync", "mailbox")
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_mean(run: Run) -> Statistic:
+def frame_ms_mean(run: MeasuredFrames) -> Statistic:
     """Mean interval between successive displays.
 
     Source: PresentMon MsBetweenDisplayChange; its mean is the inverse of the average frame rate.
@@ -36,7 +36,7 @@ def frame_ms_mean(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_sd(run: Run) -> Statistic:
+def frame_ms_sd(run: MeasuredFrames) -> Statistic:
     """Sample standard deviation of the interval between successive displays.
 
     Source: standard.
@@ -45,7 +45,7 @@ def frame_ms_sd(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_p50(run: Run) -> Statistic:
+def frame_ms_p50(run: MeasuredFrames) -> Statistic:
     """Median interval between successive displays.
 
     Source: PresentMon percentiles, linear interpolation (type 7).
@@ -54,7 +54,7 @@ def frame_ms_p50(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_p95(run: Run) -> Statistic:
+def frame_ms_p95(run: MeasuredFrames) -> Statistic:
     """95th percentile of the interval between successive displays.
 
     Source: PresentMon percentiles, linear interpolation (type 7).
@@ -63,7 +63,7 @@ def frame_ms_p95(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_p99(run: Run) -> Statistic:
+def frame_ms_p99(run: MeasuredFrames) -> Statistic:
     """99th percentile of the interval between successive displays.
 
     Source: PresentMon percentiles, linear interpolation (type 7).
@@ -72,7 +72,7 @@ def frame_ms_p99(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def frame_ms_max(run: Run) -> Statistic:
+def frame_ms_max(run: MeasuredFrames) -> Statistic:
     """Longest interval between successive displays.
 
     Source: standard.
@@ -81,7 +81,7 @@ def frame_ms_max(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_mean(run: Run) -> Statistic:
+def work_ms_mean(run: MeasuredFrames) -> Statistic:
     """Mean of the larger of CPU and GPU time.
 
     Source: twin of frame_ms_mean on the time that no refresh quantises.
@@ -90,7 +90,7 @@ def work_ms_mean(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_sd(run: Run) -> Statistic:
+def work_ms_sd(run: MeasuredFrames) -> Statistic:
     """Sample standard deviation of the larger of CPU and GPU time.
 
     Source: twin of frame_ms_sd; Unity's StableFrameMode steers by its variance.
@@ -99,7 +99,7 @@ def work_ms_sd(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_p50(run: Run) -> Statistic:
+def work_ms_p50(run: MeasuredFrames) -> Statistic:
     """Median of the larger of CPU and GPU time.
 
     Source: twin of frame_ms_p50.
@@ -108,7 +108,7 @@ def work_ms_p50(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_p95(run: Run) -> Statistic:
+def work_ms_p95(run: MeasuredFrames) -> Statistic:
     """95th percentile of the larger of CPU and GPU time.
 
     Source: twin of frame_ms_p95.
@@ -117,7 +117,7 @@ def work_ms_p95(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_p99(run: Run) -> Statistic:
+def work_ms_p99(run: MeasuredFrames) -> Statistic:
     """99th percentile of the larger of CPU and GPU time.
 
     Source: twin of frame_ms_p99.
@@ -126,7 +126,7 @@ def work_ms_p99(run: Run) -> Statistic:
 
 
 @metric("stability", "ms", "lower")
-def work_ms_max(run: Run) -> Statistic:
+def work_ms_max(run: MeasuredFrames) -> Statistic:
     """Largest CPU or GPU time of a frame.
 
     Source: twin of frame_ms_max.
@@ -135,7 +135,7 @@ def work_ms_max(run: Run) -> Statistic:
 
 
 @metric("stability", "fps", "higher")
-def fps_low1_percentile(run: Run) -> Statistic:
+def fps_low1_percentile(run: MeasuredFrames) -> Statistic:
     """1 % low, percentile: 1000 over the 99th percentile of frame_ms.
 
     Source: PresentMon "1st Percentile FPS", MangoHud, CapFrameX P1.
@@ -144,7 +144,7 @@ def fps_low1_percentile(run: Run) -> Statistic:
 
 
 @metric("stability", "fps", "higher")
-def fps_low1_mean(run: Run) -> Statistic:
+def fps_low1_mean(run: MeasuredFrames) -> Statistic:
     """1 % low, mean: 1000 over the mean of the frame_ms at or above their 99th percentile.
 
     Source: CapFrameX "1% Low Average", whose percentile is of type 8; GameBench, GamersNexus.
@@ -153,7 +153,7 @@ def fps_low1_mean(run: Run) -> Statistic:
 
 
 @metric("stability", "fps", "higher")
-def fps_low1_integral(run: Run) -> Statistic:
+def fps_low1_integral(run: MeasuredFrames) -> Statistic:
     """1 % low, integral: 1000 over the frame_ms at which the slowest frames fill 1 % of all time.
 
     Source: RTSS and MSI Afterburner, CapFrameX "1% Low Integral".
@@ -162,7 +162,7 @@ def fps_low1_integral(run: Run) -> Statistic:
 
 
 @metric("stability", "1/min", "lower")
-def hitches_per_min(run: Run) -> Statistic:
+def hitches_per_min(run: MeasuredFrames) -> Statistic:
     """Frames of at least 60 ms and 1.5 times the frame before, 200 ms or more after the last such.
 
     Source: Unreal FPSChart: t.HitchFrameTimeThreshold, t.HitchVersusNonHitchRatio,
@@ -172,7 +172,7 @@ def hitches_per_min(run: Run) -> Statistic:
 
 
 @metric("stability", "fraction", "lower")
-def stutter_time_fraction(run: Run) -> Statistic:
+def stutter_time_fraction(run: MeasuredFrames) -> Statistic:
     """Share of time in frames longer than 2.5 times their moving average.
 
     The average is of the last round(10 √mean) frames up to this one, where a frame of more than 3
@@ -186,7 +186,7 @@ def stutter_time_fraction(run: Run) -> Statistic:
 
 
 @metric("stability", "fraction", "lower")
-def over_budget_fraction(run: Run) -> Statistic:
+def over_budget_fraction(run: MeasuredFrames) -> Statistic:
     """Share of frames whose work_ms exceeds the budget.
 
     Source: deadline miss ratio of soft real-time systems.
@@ -195,7 +195,7 @@ def over_budget_fraction(run: Run) -> Statistic:
 
 
 @metric("stability", "ratio", "lower")
-def over_budget_max_ratio(run: Run) -> Statistic:
+def over_budget_max_ratio(run: MeasuredFrames) -> Statistic:
     """Largest work_ms over the budget; at most 1 if the budget always held.
 
     Source: worst case of the deadline miss ratio.
@@ -204,7 +204,7 @@ def over_budget_max_ratio(run: Run) -> Statistic:
 
 
 @metric("stability", "frames", "lower")
-def longest_over_budget_frames(run: Run) -> Statistic:
+def longest_over_budget_frames(run: MeasuredFrames) -> Statistic:
     """Longest run of successive frames whose work_ms exceeds the budget.
 
     Source: lodbench; a run of misses is seen where a single one is not.
@@ -213,7 +213,7 @@ def longest_over_budget_frames(run: Run) -> Statistic:
 
 
 @metric("stability", "fraction", "lower")
-def missed_vsync_fraction(run: Run) -> Statistic | None:
+def missed_vsync_fraction(run: MeasuredFrames) -> Statistic | None:
     """Share of refreshes that showed no new frame, with vsync and mailbox.
 
     Source: Unreal FPSChart MVP, max(0, ⌊F·T⌋ − N) / ⌊F·T⌋, with both counted per displayed frame.
@@ -225,7 +225,7 @@ def missed_vsync_fraction(run: Run) -> Statistic | None:
 
 
 @metric("stability", "ms", "lower")
-def frame_delta_ms_p95(run: Run) -> Statistic:
+def frame_delta_ms_p95(run: MeasuredFrames) -> Statistic:
     """95th percentile of the difference, without sign, between successive frame_ms.
 
     Source: CapFrameX frame-time variance |x_i − x_(i−1)|; MASD is its mean.
@@ -234,7 +234,7 @@ def frame_delta_ms_p95(run: Run) -> Statistic:
 
 
 @metric("stability", "ratio", "lower")
-def utilisation(run: Run) -> Statistic:
+def utilisation(run: MeasuredFrames) -> Statistic:
     """Mean work_ms over the budget; what a low value leaves unused shows in benefit_ratio.
 
     Source: utilisation of queueing theory.
@@ -242,7 +242,7 @@ def utilisation(run: Run) -> Statistic:
     return mean(run.work_ms / run.header.budget_ms)
 
 
-def hitch_flags(run: Run) -> BoolArray:
+def hitch_flags(run: MeasuredFrames) -> BoolArray:
     """Return which frames are hitches by Unreal's rule, (n,)."""
     slow = run.frame_ms >= _HITCH_MS
     slow &= run.frame_ms >= _HITCH_RATIO * run.previous_frame_ms

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import BoolArray
-from .measured_frames import MS_PER_NS, Run
+from .measured_frames import MS_PER_NS, MeasuredFrames
 
 RISE = 1.25
 """A step is a rise of the load by a quarter..."""
@@ -58,7 +58,7 @@ class Step:
     overshoot_ratio: float
 
 
-def find_steps(run: Run) -> tuple[Step, ...]:
+def find_steps(run: MeasuredFrames) -> tuple[Step, ...]:
     """Return the steps of the visible load in a run, in order.
 
     A rise in the last `HOLD_NS` of the run is left out: no answer to it can be judged.
@@ -83,11 +83,11 @@ def find_steps(run: Run) -> tuple[Step, ...]:
     )
 
 
-def _can_hold(run: Run) -> BoolArray:
+def _can_hold(run: MeasuredFrames) -> BoolArray:
     return run.input_ns + HOLD_NS <= run.input_ns[-1]
 
 
-def _holds(run: Run) -> BoolArray:
+def _holds(run: MeasuredFrames) -> BoolArray:
     """Return whether the budget holds from each frame on, (n,)."""
     good = run.work_ms <= TOLERANCE * run.header.budget_ms
     until = np.searchsorted(run.input_ns, run.input_ns + HOLD_NS, side="right")
@@ -97,7 +97,9 @@ def _holds(run: Run) -> BoolArray:
     return good & (share >= HOLD_SHARE) & _can_hold(run)
 
 
-def _answer(run: Run, onset: int, before: int, top: int, end: int, holds: BoolArray) -> Step:
+def _answer(
+    run: MeasuredFrames, onset: int, before: int, top: int, end: int, holds: BoolArray
+) -> Step:
     settled = bool(holds[onset:end].any())
     last = onset + int(holds[onset:end].argmax()) if settled else end - 1
     start_ns, last_ns = int(run.input_ns[onset]), int(run.input_ns[last])

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from .measured_frames import Run
+from .measured_frames import MeasuredFrames
 from .metric import metric
 from .statistic import Statistic, maximum, mean, quantile
 
 
 @metric("work", "ms", "lower")
-def select_ms_mean(run: Run) -> Statistic:
+def select_ms_mean(run: MeasuredFrames) -> Statistic:
     """Mean CPU time of the policy's own work, from its counts and the hardware's CPU cost model.
 
     Source: lodbench; selection time, which Zach et al. (VRST 2002) and Peng et al. (2011) report.
@@ -17,7 +17,7 @@ def select_ms_mean(run: Run) -> Statistic:
 
 
 @metric("work", "ms", "lower")
-def select_ms_p99(run: Run) -> Statistic:
+def select_ms_p99(run: MeasuredFrames) -> Statistic:
     """99th percentile of the CPU time of the policy's own work.
 
     Source: as select_ms_mean.
@@ -26,7 +26,7 @@ def select_ms_p99(run: Run) -> Statistic:
 
 
 @metric("work", "levels", "lower")
-def levels_extracted_per_frame(run: Run) -> Statistic | None:
+def levels_extracted_per_frame(run: MeasuredFrames) -> Statistic | None:
     """Levels built because no node held them; none where nothing is extracted.
 
     Source: LODManager of Gumbau, Ripolles and Chover.
@@ -35,7 +35,7 @@ def levels_extracted_per_frame(run: Run) -> Statistic | None:
 
 
 @metric("work", "levels", "higher")
-def levels_borrowed_per_frame(run: Run) -> Statistic | None:
+def levels_borrowed_per_frame(run: MeasuredFrames) -> Statistic | None:
     """Levels drawn that another node had extracted; none where nothing is extracted.
 
     Source: LODManager of Gumbau, Ripolles and Chover.
@@ -44,7 +44,7 @@ def levels_borrowed_per_frame(run: Run) -> Statistic | None:
 
 
 @metric("work", "triangles", "lower")
-def triangles_mean(run: Run) -> Statistic:
+def triangles_mean(run: MeasuredFrames) -> Statistic:
     """Mean triangles drawn in a frame, cross-fades included.
 
     Source: every engine's counter, such as Unreal's RHI/PrimitivesDrawn.
@@ -53,7 +53,7 @@ def triangles_mean(run: Run) -> Statistic:
 
 
 @metric("work", "fraction", "lower")
-def memory_peak_fraction(run: Run) -> Statistic | None:
+def memory_peak_fraction(run: MeasuredFrames) -> Statistic | None:
     """Largest memory held by levels over the hardware's bound.
 
     Source: lodbench; the bound is the profile's.
@@ -62,5 +62,5 @@ def memory_peak_fraction(run: Run) -> Statistic | None:
     return maximum(run["memory_bytes"] / bound) if bound > 0.0 else None
 
 
-def _extracts(run: Run) -> bool:
+def _extracts(run: MeasuredFrames) -> bool:
     return bool(np.any(run["levels_extracted"]) or np.any(run["levels_borrowed"]))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.policy_spec import PolicySpec
+from ...policies.policy_spec import PolicySpec, is_oracle
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
@@ -15,6 +15,7 @@ from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
+from .engine.limits import DEFAULT_LIMITS, Limits
 from .runs import Progress, Runs, choose_draws, run_policies
 from .score import World
 
@@ -33,12 +34,18 @@ class CompareOptions:
         Posterior draws of the cost model to replay, if the profile has them.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
+    policy_limits : Limits
+        What a policy may take.
+    scheduler : str or None
+        Address of a Dask scheduler in place of processes here.
     """
 
     warmup: int = 30
     resamples: int = 200
     draws: int = 16
     workers: int = 0
+    policy_limits: Limits = DEFAULT_LIMITS
+    scheduler: str | None = None
 
     def __post_init__(self) -> None:
         for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
@@ -68,11 +75,21 @@ def compare(
     each = -(-options.resamples // max(len(draws), 1))
     resamples = (0 if draws else each, each)
     seeds = [replay_options.seed]
-    runs = run_policies(policies, world, seeds, draws, resamples, options.workers, progress)
+    runs = run_policies(
+        policies,
+        world,
+        seeds,
+        draws,
+        resamples,
+        options.workers,
+        progress,
+        limits=options.policy_limits,
+        scheduler=options.scheduler,
+    )
     pools = {
         label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
         for label, run in runs.items()
-        if run.unfit is None and run.failure is None
+        if run.failure is None
     }
     results = tuple(_result(spec, runs[spec.label], pools) for spec in policies)
     scored = [result for result in results if result.status == "ok"]
@@ -96,17 +113,16 @@ def compare(
 
 def _result(spec: PolicySpec, runs: Runs, pools: dict[str, Pool]) -> PolicyResult:
     named = (spec.name, spec.label, spec.params)
-    oracle = spec.make().capabilities.future
-    if spec.label not in pools:
-        status = "failed" if runs.unfit is None else "not-applicable"
-        return PolicyResult(*named, status, runs.unfit or runs.failure, oracle, 0, {})
+    if runs.failure is not None:
+        oracle = is_oracle(spec)
+        return PolicyResult(*named, runs.failure.kind, str(runs.failure), oracle, 0, {})
     (mean,) = runs.means
     metrics: dict[str, Score] = {}
     for metric in METRICS:
         low, high = interval(pools[spec.label].get(metric.id))
         metrics[metric.id] = Score(mean.values[metric.id], low, high, metric.unit, metric.better)
-    frames = 0 if mean.log is None else len(mean.log)
-    return PolicyResult(*named, "ok", None, oracle, frames, metrics, mean.steps)
+    oracle = mean.log is not None and mean.log.header.oracle
+    return PolicyResult(*named, "ok", None, oracle, mean.frames, metrics, mean.steps)
 
 
 def _conditions(world: World) -> ReplayConditions:

@@ -1,44 +1,41 @@
-"""The replays of policies that a study asks for: over seeds, and over draws of the cost model."""
+"""The replays of policies in one world: over seeds, and over draws of the cost model."""
 
-import itertools
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ...base.content_hash import content_hash
 from ...models.machine.hardware import HardwareProfile
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import require_distinct
-from .score import Job, Scored, World
-from .workers import started
+from .engine.limits import Limits
+from .engine.open_engine import open_engine
+from .engine.task import Failure
+from .run import Run
+from .score import Scored, World
 
 Progress = Callable[[int, int], None]
 """Called with the replays done and the replays in all."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Runs:
     """What became of one policy.
 
     Attributes
     ----------
-    unfit : str or None
-        Why it does not apply to the scene; then nothing was replayed.
+    failure : Failure or None
+        The first in the order of the runs.
     means : list of Scored
         Under the profile's mean, one a seed.
     drawn : list of list of Scored
-        By posterior draw, one a seed each; empty if a replay under the mean failed.
+        By posterior draw, one a seed each.
     """
 
-    unfit: str | None
-    means: list[Scored]
-    drawn: list[list[Scored]]
-
-    @property
-    def failure(self) -> str | None:
-        """The first reason why a replay failed, if any did."""
-        runs = itertools.chain(self.means, *self.drawn)
-        return next((run.failure for run in runs if run.failure is not None), None)
+    failure: Failure | None = None
+    means: list[Scored] = field(default_factory=list[Scored])
+    drawn: list[list[Scored]] = field(default_factory=list[list[Scored]])
 
 
 def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
@@ -56,8 +53,11 @@ def run_policies(
     resamples: tuple[int, int],
     workers: int,
     progress: Progress | None = None,
+    *,
+    limits: Limits | None = None,
+    scheduler: str | None = None,
 ) -> dict[str, Runs]:
-    """Replay every policy that fits the scene, and return what became of each, by label.
+    """Replay every policy, and return what became of each, by label.
 
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
@@ -66,28 +66,65 @@ def run_policies(
     ----------
     resamples
         Of a replay under the mean, and of one under a draw.
+    workers, limits, scheduler
+        Of the engine (see `open_engine`).
     """
     world.require_scored_frames()
     require_distinct(policies)
-    unfit = {spec.label: world.why_not_applicable(spec) for spec in policies}
-    fit = [spec for spec in policies if unfit[spec.label] is None]
-    total = len(fit) * len(seeds) * (1 + len(draws))
-    done = itertools.count(1)
-    with started(world, workers, total) as run_jobs:
+    inputs = {content_hash(value): value for value in (world.scene, world.trace, world.hardware)}
+    scene, trace, hardware = inputs
+    plans = [(None, 0, resamples[0]), *((draw, at, resamples[1]) for at, draw in enumerate(draws))]
+    runs = [
+        Run(
+            policy,
+            scene,
+            trace,
+            hardware,
+            replace(world.options, draw=draw, seed=seed),
+            world.warmup,
+            stream,
+            count,
+            keeps_log=draw is None,
+        )
+        for policy in policies
+        for draw, stream, count in plans
+        for seed in seeds
+    ]
+    scored: dict[int, Scored] = {}
+    failed: dict[int, Failure] = {}
+    with open_engine(inputs, workers=workers, limits=limits, scheduler=scheduler) as engine:
+        for done, outcome in enumerate(engine.run(runs), 1):
+            if outcome.failure is None:
+                scored[outcome.index] = outcome.result
+            else:
+                failed[outcome.index] = outcome.failure
+            if progress is not None:
+                progress(done, len(runs))
+    return _by_policy(policies, runs, scored, failed)
 
-        def run(jobs: list[Job]) -> Iterator[Scored]:
-            for scored in run_jobs(jobs):
-                if progress is not None:
-                    progress(next(done), total)
-                yield scored
 
-        mean = run([Job(spec, None, 0, resamples[0], seed) for spec in fit for seed in seeds])
-        means = {spec.label: [next(mean) for _ in seeds] for spec in fit}
-        sound = [spec for spec in fit if all(run.failure is None for run in means[spec.label])]
-        each = itertools.product(sound, enumerate(draws), seeds)
-        draw = run([Job(spec, at, stream, resamples[1], seed) for spec, (stream, at), seed in each])
-        drawn = {spec.label: [[next(draw) for _ in seeds] for _ in draws] for spec in sound}
-    return {
-        label: Runs(reason, means.get(label, []), drawn.get(label, []))
-        for label, reason in unfit.items()
-    }
+def _by_policy(
+    policies: Sequence[PolicySpec],
+    runs: Sequence[Run],
+    scored: dict[int, Scored],
+    failed: dict[int, Failure],
+) -> dict[str, Runs]:
+    """Return runs in their order, whatever the order in which they were finished."""
+    found = {policy.label: Runs() for policy in policies}
+    for index in sorted(scored):
+        run, mine = runs[index], found[runs[index].owner]
+        if run.options.draw is None:
+            mine.means.append(scored[index])
+        else:
+            while len(mine.drawn) <= run.stream:
+                mine.drawn.append([])
+            mine.drawn[run.stream].append(scored[index])
+    for index in sorted(failed, reverse=True):
+        found[runs[index].owner].failure = _with_draw(failed[index], runs[index].options.draw)
+    return found
+
+
+def _with_draw(failure: Failure, draw: int | None) -> Failure:
+    if draw is None or failure.kind == "not-applicable":
+        return failure
+    return replace(failure, reason=f"under posterior draw {draw}, {failure.reason}")

@@ -1,10 +1,10 @@
 """Replay one policy under one truth and score the run and its resamples.
 
-What a worker process does: everything it needs arrives in one `World` and one `Job`.
+What a worker process does.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,11 +17,12 @@ from ...policies.protocol import why_not_applicable
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..metrics.statistic import Statistic
 from ..metrics.steps import Step, find_steps
 from ..verdict.bootstrap import draw_blocks
+from .engine.task import Beat, NotApplicableError
 
 _SPAWN_KEY = 100
 """Apart from the keys 0, 1, ... that a replay spawns for its noise from the same seed."""
@@ -47,74 +48,83 @@ class World:
                 "give --frames more or --warmup less"
             )
 
-    def why_not_applicable(self, policy: PolicySpec) -> str | None:
-        """Return why a policy does not fit the scene, or None if it does."""
-        return why_not_applicable(policy.make().capabilities, self.scene)
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """One replay: of a policy, under the profile's mean or a posterior draw.
-
-    Attributes
-    ----------
-    draw : index of the posterior draw, None for the mean
-    stream : which blocks are drawn; the same for every policy, so that comparisons are paired
-    resamples : number of resamples, 0 for none
-    seed : root of noise and blocks
-    """
-
-    policy: PolicySpec
-    draw: int | None
-    stream: int
-    resamples: int
-    seed: int
-
 
 @dataclass(frozen=True, slots=True)
 class Scored:
-    """A replay's log and scores, or why there are none.
+    """The scores of a replay.
 
     Attributes
     ----------
-    failure : str or None
     log : FrameLog or None
-        Only of a replay under the mean.
+        Where it was asked for.
     values : dict of str to float or None
         By metric id.
     resampled : dict of str to (R,) float64
         By metric id; missing where a metric has fewer than two frames that bear on it.
+    steps : tuple of Step
+        Answers to the steps in visible load.
+    frames : int
+        Frames replayed, warm-up included.
     """
 
-    failure: str | None = None
-    log: FrameLog | None = None
-    values: dict[str, float | None] = field(default_factory=dict[str, float | None])
-    resampled: dict[str, FloatArray] = field(default_factory=dict[str, FloatArray])
-    steps: tuple[Step, ...] = ()
+    log: FrameLog | None
+    values: dict[str, float | None]
+    resampled: dict[str, FloatArray]
+    steps: tuple[Step, ...]
+    frames: int
 
 
-def score(world: World, job: Job) -> Scored:
-    """Replay and score; the same arguments give the same result in any process."""
-    options = replace(world.options, draw=job.draw, seed=job.seed)
-    try:
-        policy, name = job.policy.make(), job.policy.label
-        log = replay(policy, world.scene, world.trace, world.hardware, options, name=name)
-    except PolicyError as error:
-        return Scored(failure=_with_draw(error, job.draw))
+def score(
+    world: World,
+    spec: PolicySpec,
+    stream: int,
+    resamples: int,
+    *,
+    keeps_log: bool,
+    beat: Beat,
+) -> Scored:
+    """Replay and score (see `Run`); the same arguments give the same result in any process.
+
+    Raises
+    ------
+    PolicyError
+        If the policy breaks its contract, or has no frame after the warm-up.
+    NotApplicableError
+        If it does not fit the scene.
+    InputError
+        If its class refuses the parameters.
+    """
+    policy = spec.make()
+    unfit = why_not_applicable(policy.capabilities, world.scene)
+    if unfit is not None:
+        raise NotApplicableError(unfit)
+    log = replay(
+        policy,
+        world.scene,
+        world.trace,
+        world.hardware,
+        world.options,
+        name=spec.label,
+        beat=beat,
+    )
     if len(log) <= world.warmup:
-        return Scored(failure=f"{len(log)} frames, all of them warm-up; lower --warmup")
-    run = Run(log, world.warmup)
-    statistics = {metric.id: metric(run) for metric in METRICS}
+        last, reason = len(log) - 1, f"{len(log)} frames, all of them warm-up; lower --warmup"
+        raise PolicyError(spec.label, last, reason)
+    frames = MeasuredFrames(log, world.warmup)
+    statistics = {metric.id: metric(frames) for metric in METRICS}
     values = {name: None if item is None else item.value() for name, item in statistics.items()}
     resampled: dict[str, FloatArray] = {}
-    if job.resamples:
-        resampled = resample(run, statistics, job.seed, job.stream, job.resamples)
-    kept = log if job.draw is None else None
-    return Scored(None, kept, values, resampled, find_steps(run))
+    if resamples:
+        resampled = resample(frames, statistics, world.options.seed, stream, resamples)
+    return Scored(log if keeps_log else None, values, resampled, find_steps(frames), len(log))
 
 
 def resample(
-    run: Run, statistics: Mapping[str, Statistic | None], seed: int, stream: int, count: int
+    run: MeasuredFrames,
+    statistics: Mapping[str, Statistic | None],
+    seed: int,
+    stream: int,
+    count: int,
 ) -> dict[str, FloatArray]:
     """Return by metric its value in each resample, (count,); see `Scored.resampled`."""
     root = np.random.SeedSequence(seed, spawn_key=(_SPAWN_KEY, stream))
@@ -124,9 +134,3 @@ def resample(
         for name, item in statistics.items()
         if item is not None and item.support > 1
     }
-
-
-def _with_draw(error: PolicyError, draw: int | None) -> str:
-    where = "reset" if error.frame is None else f"frame {error.frame}"
-    which = "" if draw is None else f" of posterior draw {draw}"
-    return f"{where}{which}: {error.reason}"

@@ -10,7 +10,7 @@ from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Comparison
 from .ranks import kendall_tau
@@ -130,7 +130,7 @@ def _policy(
     label: str, pair: Pair, comparison: Comparison, series: dict[str, FloatArray]
 ) -> PolicyValidation:
     scored = next(policy for policy in comparison.ok if policy.label == label)
-    runs = [Run(item.frames, comparison.warmup) for item in pair.measured]
+    runs = [MeasuredFrames(item.frames, comparison.warmup) for item in pair.measured]
     values = [{metric.id: metric.value(run) for metric in METRICS} for run in runs]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
@@ -163,7 +163,7 @@ def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, Flo
 
 
 def _times(frames: FrameLog, warmup: int) -> tuple[FloatArray, FloatArray]:
-    run = Run(frames, warmup)
+    run = MeasuredFrames(frames, warmup)
     return run.time_s, run.work_ms
 
 

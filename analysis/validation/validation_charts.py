@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..metrics.measured_frames import Run
+from ..metrics.measured_frames import MeasuredFrames
 from ..report.series import envelope
 from ..report.style import BUDGET, panels, styled
 from .validate import Pair
@@ -28,7 +28,7 @@ def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
         drawn = [(f"measured{' again' * i}", m.frames) for i, m in enumerate(pair.measured)]
         drawn.append(("simulated", pair.simulated))
         for name, frames in drawn:
-            run = Run(frames, validation.warmup)
+            run = MeasuredFrames(frames, validation.warmup)
             x, y = envelope(run.time_s, run.work_ms, _BUCKETS)
             color = {"measured": _MEASURED, "simulated": _SIMULATED}.get(name, _AGAIN)
             figure.add_scatter(

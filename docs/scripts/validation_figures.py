@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.sim.frame_log_file import read_frame_log
 
 Table: TypeAlias = dict[str, NDArray[np.float64]]
@@ -32,7 +32,7 @@ def draw_series(folder: Path, policies: Sequence[str], path: Path) -> None:
     figure, axes = plt.subplots(len(policies), 1, figsize=(8, 1.15 * len(policies)), sharex=True)
     for axis, policy in zip(axes, policies, strict=True):
         for kind, color in (("simulated", SIMULATED), ("measured", MEASURED)):
-            run = Run(read_frame_log(folder / kind / f"{policy}.parquet"), WARMUP)
+            run = MeasuredFrames(read_frame_log(folder / kind / f"{policy}.parquet"), WARMUP)
             axis.plot(run.time_s, run.work_ms, color=color, linewidth=0.7, label=kind)
         axis.axhline(run.header.budget_ms, color="#888888", linewidth=0.7, linestyle="--")
         axis.set_ylim(bottom=0.0)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...metrics.measured_frames import Run
+from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Chart
 from ..results import Results, section
 from ..series import bin_means, envelope
@@ -38,7 +38,7 @@ def _chart(results: Results) -> Any:
     )  # fmt: skip
     tops: list[list[float]] = [[], [], [], []]
     for policy in comparison.ok:
-        run = Run(results.logs[policy.label])
+        run = MeasuredFrames(results.logs[policy.label])
         time_s = run.time_s
         edges = np.arange(0.0, time_s[-1] + _BIN_S, _BIN_S)
         rows = (

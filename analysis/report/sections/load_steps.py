@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ...metrics.measured_frames import Run
+from ...metrics.measured_frames import MeasuredFrames
 from ...metrics.steps import APART_NS, Step
 from ...study.comparison import Comparison, PolicyResult
 from ..blocks import Cell, Chart, Paragraph, Table
@@ -54,7 +54,7 @@ def _chart(results: Results, steps: list[Step]) -> Any:
         vertical_spacing=0.5 / (2 * rows), horizontal_spacing=0.03,
     )  # fmt: skip
     for policy in comparison.ok:
-        run = Run(results.logs[policy.label])
+        run = MeasuredFrames(results.logs[policy.label])
         for i, step in enumerate(steps):
             since_s = run.time_s - step.time_ms * 1e-3
             near = (since_s >= -_BEFORE_S) & (since_s <= _AFTER_S)

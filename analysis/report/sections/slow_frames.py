@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ...metrics.measured_frames import Run
+from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Chart
 from ..results import Results, section
 from ..series import tail
@@ -26,7 +26,7 @@ def _chart(results: Results) -> Any:
     titles = ["Work time", "Interval between displays"]
     figure = panels(1, 2, shared_yaxes=True, subplot_titles=titles)
     for policy in comparison.ok:
-        run = Run(results.logs[policy.label], comparison.warmup)
+        run = MeasuredFrames(results.logs[policy.label], comparison.warmup)
         for column, values in enumerate((run.work_ms, run.frame_ms), 1):
             x, share = tail(values, _POINTS)
             ink, points = results.inks[policy.label], (x, 100.0 * share)

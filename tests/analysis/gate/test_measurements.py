@@ -10,7 +10,7 @@ from lodbench.analysis.gate.baseline import make_baseline, read_baseline, write_
 from lodbench.analysis.gate.check_result import judge_all
 from lodbench.analysis.gate.limits_file import parse_limits
 from lodbench.analysis.gate.measurements import MeasuredPolicy, MeasureOptions, measure, measure_run
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison_folder import write_results
@@ -48,7 +48,7 @@ def test_scores_are_means_over_seeds(world: World) -> None:
         options = replace(world.options, seed=seed)
         policy = POLICIES[0].make()
         log = replay(policy, world.scene, world.trace, world.hardware, options, name="x")
-        run = Run(log, 30)
+        run = MeasuredFrames(log, 30)
         values.append(float(np.nanquantile(run.frame_ms, 0.99)))
     score = first.scores["frame_ms_p99"]
     assert score.value is not None
@@ -172,4 +172,4 @@ def test_every_metric_has_a_worst_frame_or_none(world: World) -> None:
 def verdict_max(measured: list[MeasuredPolicy], policy: str) -> float:
     """Return the largest work time of a policy in all its replays."""
     logs = next(item.logs for item in measured if item.policy == policy)
-    return max(float(Run(log, 30).work_ms.max()) for log in logs)
+    return max(float(MeasuredFrames(log, 30).work_ms.max()) for log in logs)

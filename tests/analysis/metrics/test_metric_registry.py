@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric import GROUPS, Metric
 from lodbench.analysis.metrics.metric_registry import METRICS, find_metric
 from lodbench.base.errors import InputError
@@ -43,7 +43,7 @@ IDS = {
 
 def value(metric_id: str, log: FrameLog) -> float | None:
     """Return a metric of a log."""
-    return find_metric(metric_id).value(Run(log))
+    return find_metric(metric_id).value(MeasuredFrames(log))
 
 
 @pytest.mark.parametrize("group", GROUPS)
@@ -78,7 +78,7 @@ def test_unknown_metric_suggests_the_nearest() -> None:
 def test_warmup_must_leave_frames(make_log: MakeLog) -> None:
     """A warm-up as long as the run is refused, with what to do."""
     with pytest.raises(InputError, match=r"fewer frames than the 3.*--warmup"):
-        Run(make_log(gpu_ms=np.ones(3)), 3)
+        MeasuredFrames(make_log(gpu_ms=np.ones(3)), 3)
 
 
 def test_flicker_counts_by_hand(make_log: MakeLog) -> None:
@@ -143,7 +143,7 @@ def test_what_a_run_cannot_have_is_absent(make_log: MakeLog) -> None:
     absent = {
         metric.id
         for metric in METRICS
-        if metric.group != "quality" and metric.value(Run(log)) is None
+        if metric.group != "quality" and metric.value(MeasuredFrames(log)) is None
     }
     assert absent == {
         "missed_vsync_fraction",

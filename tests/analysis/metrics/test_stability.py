@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench.analysis.metrics import stability
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric_registry import find_metric
 from lodbench.sim.frame_log import FrameLog
 
@@ -24,7 +24,7 @@ def displays(frame_ms: list[float]) -> np.ndarray:
 
 def value(metric_id: str, log: FrameLog, warmup: int = 0) -> float | None:
     """Return a metric of a log."""
-    return find_metric(metric_id).value(Run(log, warmup))
+    return find_metric(metric_id).value(MeasuredFrames(log, warmup))
 
 
 def test_interval_statistics_by_hand(make_log: MakeLog) -> None:
@@ -45,7 +45,7 @@ def test_work_is_the_larger_of_cpu_and_gpu(make_log: MakeLog) -> None:
 def test_dropped_frames_have_no_interval(make_log: MakeLog) -> None:
     """A frame that mailbox replaced is skipped: the interval spans it."""
     log = make_log([10.0, np.nan, 30.0, 40.0], mode="mailbox")
-    assert np.isnan(Run(log).frame_ms).tolist() == [True, True, False, False]
+    assert np.isnan(MeasuredFrames(log).frame_ms).tolist() == [True, True, False, False]
     assert value("frame_ms_max", log) == pytest.approx(20.0)
 
 
@@ -83,7 +83,7 @@ def test_hitches_follow_unreals_rule(make_log: MakeLog) -> None:
         71.0,  # not 1.5 times the frame before
     ]
     log = make_log(displays(frame_ms))
-    flags = stability.hitch_flags(Run(log))
+    flags = stability.hitch_flags(MeasuredFrames(log))
     assert np.flatnonzero(flags).tolist() == [2, 19]
     assert value("hitches_per_min", log) == pytest.approx(2 * 60_000 / sum(frame_ms))
 
@@ -102,7 +102,7 @@ def test_hitches_at_the_edges_of_the_rule(
     make_log: MakeLog, frame_ms: list[float], hitches: list[int]
 ) -> None:
     """What is just long, steep or late enough counts; dead time runs from the last that counted."""
-    flags = stability.hitch_flags(Run(make_log(displays(frame_ms))))
+    flags = stability.hitch_flags(MeasuredFrames(make_log(displays(frame_ms))))
     assert np.flatnonzero(flags).tolist() == hitches
 
 

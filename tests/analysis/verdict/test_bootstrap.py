@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric import Metric
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.metrics.statistic import mean, quantile
@@ -115,7 +115,7 @@ def test_identity_resample_gives_the_value(metric: Metric, make_log: MakeLog) ->
         toggles=rng.poisson(2.0, n),
         levels_extracted=rng.poisson(1.0, n),
     )
-    statistic = metric(Run(log))
+    statistic = metric(MeasuredFrames(log))
     assert statistic is not None
     rows = np.append(np.arange(n), (n, n))[np.newaxis].astype(np.int32)
     assert statistic.resampled(rows)[0] == pytest.approx(statistic.value(), rel=1e-12)

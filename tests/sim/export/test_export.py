@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from lodbench.analysis.metrics.measured_frames import Run
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import DisplayMode
 from lodbench.sim.export.export import EXPORTS, frame_timings
@@ -56,7 +56,7 @@ def test_metrics_survive(
 ) -> None:
     """Frame times, 1 % lows, lag, animation error, drops, CPU and GPU are those of the run."""
     log = run_pipeline(mode)
-    run = Run(log, warmup=1)  # the first frame makes no row
+    run = MeasuredFrames(log, warmup=1)  # the first frame makes no row
     read = exported(log, name, tmp_path)
     assert len(read) == len(log) - 1
     assert np.count_nonzero(read.dropped) == np.count_nonzero(run["display_ns"] < 0)

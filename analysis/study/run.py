@@ -1,0 +1,87 @@
+"""A run: one policy replayed in one place under one seed, as a small value.
+
+Its inputs are named by content hash, so that a run can be sent anywhere, and found again among
+results that are years old.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ...base.content_hash import SIZE_BYTES
+from ...policies.policy_spec import PolicySpec
+from ...sim.replay import ReplayOptions
+from .code_hash import code_hash, policy_hash
+from .engine.task import Beat, Inputs
+from .score import Scored, World, score
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One replay and its scores.
+
+    Attributes
+    ----------
+    policy : PolicySpec
+    scene, trace, hardware : str
+        Content hashes of the inputs.
+    options : ReplayOptions
+        Its `draw` is the posterior draw that plays the truth, None for the profile's mean.
+    warmup : int
+        Frames at the start that do not count.
+    stream : int
+        Which blocks are drawn; the same for every policy, so that comparisons are paired.
+    resamples : int
+        Number of resamples, 0 for none.
+    keeps_log : bool
+        Whether the result has the frame log.
+    """
+
+    policy: PolicySpec
+    scene: str
+    trace: str
+    hardware: str
+    options: ReplayOptions
+    warmup: int
+    stream: int = 0
+    resamples: int = 0
+    keeps_log: bool = False
+
+    result_type: ClassVar[type] = Scored
+
+    @property
+    def owner(self) -> str:
+        """The policy's label (see `Task`)."""
+        return self.policy.label
+
+    @property
+    def digest(self) -> str:
+        """Content hash of the run: of its inputs, its policy, its options and the code.
+
+        Raises TypeError or OSError as `policy_hash` does.
+        """
+        # One text in place of a walk over the fields: a study may have 100,000 runs.
+        named = (
+            code_hash(),
+            policy_hash(self.policy),
+            self.scene,
+            self.trace,
+            self.hardware,
+            repr(self.options),
+            repr((self.warmup, self.stream, self.resamples, self.keeps_log)),
+        )
+        digest = hashlib.blake2b("\n".join(named).encode(), digest_size=SIZE_BYTES)
+        return digest.hexdigest()
+
+    def __call__(self, inputs: Inputs, beat: Beat) -> Scored:
+        """Replay and score (see `Task`)."""
+        world = World(
+            inputs[self.scene],
+            inputs[self.trace],
+            inputs[self.hardware],
+            self.options,
+            self.warmup,
+        )
+        return score(
+            world, self.policy, self.stream, self.resamples, keeps_log=self.keeps_log, beat=beat
+        )
