@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from lodbench.analysis.study import comparison_folder
 from lodbench.cli.main import run
 
 SHORT = ["compare", "--frames", "60", "--workers", "1", "--resamples", "10", "--policy", "full"]
@@ -130,14 +131,20 @@ def test_a_full_disk_is_told_after_the_scores(
     monkeypatch: pytest.MonkeyPatch,
     how: str,
 ) -> None:
-    """The limit on file sizes stands for a full disk; the earlier result stays as it was."""
+    """The limit on file sizes stands for a disk that is full by then; the earlier result stays."""
     monkeypatch.setenv("LODBENCH_CACHE", str(tmp_path / "cache"))
     folder = tmp_path / "results" / "run"
     assert run([*SMALL, "--out", str(folder)]) == 0
     before = (folder / "comparison.json").read_bytes()
     capsys.readouterr()
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    names = comparison_folder.frame_log_names
+
+    def names_on_a_full_disk(labels: list[str]) -> dict[str, str]:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))  # the replays are done
+        return names(labels)
+
+    monkeypatch.setattr(comparison_folder, "frame_log_names", names_on_a_full_disk)
     try:
         as_json = ["--json"] if how == "json" else []
         assert run([*SMALL, *as_json, "--seed", "7", "--out", str(folder)]) == 2
