@@ -55,7 +55,7 @@ class SelectionCheck:
         detail: object = selection.detail
         # By value: a policy may return the same array every frame with other numbers in it.
         return (
-            isinstance(detail, np.ndarray)
+            isinstance(detail, np.ndarray)  # pyright: ignore[reportUnnecessaryIsInstance] - a user's policy may return anything
             and detail.dtype == np.float64
             and detail.ndim == 1
             and detail.tobytes() == self._detail
