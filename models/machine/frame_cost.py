@@ -14,6 +14,7 @@ from ..scene.levels import LevelTable
 from .cost import CostModel
 from .cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
 from .cost_terms.term import Footprint, FrameShape, ViewTerm
+from .picture_units import InPicture
 
 _SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
 
@@ -138,7 +139,7 @@ class FrameCost:
         """
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
-            seen = _InPicture(seen, pixel_share)
+            seen = InPicture(seen, pixel_share)
         counts = self._totals(seen).copy()
         for term in self._of_levels:
             counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
@@ -182,7 +183,7 @@ class FrameCost:
         pixel_share: float = 1.0,
     ) -> FloatArray:
         """Return the marginal cost of objects: (m,), or (m, L) for L rows of each object."""
-        picture = _InPicture(seen, pixel_share, beside=row.ndim == 2)
+        picture = InPicture(seen, pixel_share, beside=row.ndim == 2)
         ms = self._at(self.level_ms, row, fraction)
         for term in self._charged:
             ms = ms + term.unit_ms * self._units(term, row, fraction, picture)
@@ -246,37 +247,3 @@ def _by_unit(model: CostModel) -> list[list[tuple[str, float]]]:
         if model.unit_ms(name):
             groups.setdefault(term.unit, []).append((name, model.unit_ms(name)))
     return list(groups.values())
-
-
-def view_units(
-    predictor: str, levels: LevelTable, row: IntArray, seen: Footprint, pixel_share: float = 1.0
-) -> float:
-    """Return how many units of a view's term a frame that draws these rows has, whatever it costs.
-
-    Raises KeyError if the predictor is no term of the view.
-    """
-    term = VIEW_TERMS[predictor]
-    level = [levels.counts[row, LEVEL_PREDICTORS.index(name)] for name in term.reads]
-    return float(term.count(level, _InPicture(seen, pixel_share)).sum())
-
-
-class _InPicture:
-    """A footprint in a picture of another size, its arrays (m, 1) where levels stand beside."""
-
-    __slots__ = ("_at", "_seen", "_share")
-
-    def __init__(self, seen: Footprint, pixel_share: float, *, beside: bool = False) -> None:
-        self._seen, self._share = seen, pixel_share
-        self._at = (slice(None), None) if beside else (slice(None),)
-
-    @property
-    def area_px(self) -> FloatArray:
-        return self._share * self._seen.area_px[self._at]
-
-    @property
-    def covered_px(self) -> FloatArray:
-        return self._share * self._seen.covered_px[self._at]
-
-    @property
-    def inside_share(self) -> FloatArray:
-        return self._seen.inside_share[self._at]

@@ -203,7 +203,7 @@ class Scene:
     def coarsest_level(self) -> FloatArray:
         """Index of each node's coarsest level, or knot, (N,); gathered once."""
         if "coarsest_level" not in self._by_node:
-            level = self.level_count - 1.0
+            level = (self.level_count - 1).astype(np.float64)
             level.flags.writeable = False
             self._by_node["coarsest_level"] = level
         return self._by_node["coarsest_level"]

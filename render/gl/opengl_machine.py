@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...models.machine.cost_terms.catalog import VIEW_TERMS
-from ...models.machine.frame_cost import view_units
+from ...models.machine.picture_units import view_units
 from ...models.scene.tree import Tree
 from ...sim.simulated_machine import FrameTimes, Submitted
 from .context import Device

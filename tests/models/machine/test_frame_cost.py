@@ -13,7 +13,8 @@ from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine import cost_terms
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from lodbench.models.machine.frame_cost import FrameCost, view_units
+from lodbench.models.machine.frame_cost import FrameCost
+from lodbench.models.machine.picture_units import view_units
 from lodbench.models.scene.levels import LevelTable
 
 MakeLevels = Callable[..., LevelTable]
