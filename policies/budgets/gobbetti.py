@@ -10,7 +10,8 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
 from ..solvers.active_set import search_active_set
 from ..solvers.allocation import Allocation, solve
@@ -87,7 +88,7 @@ class Gobbetti:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "gobbetti")
-        self._costs = ResolutionCosts(scene, "gobbetti")
+        self._costs = make_resolution_costs(scene, "gobbetti")
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt)
         self._last = np.zeros(len(scene))

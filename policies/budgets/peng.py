@@ -8,7 +8,8 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, NotNegative, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
 from ..solvers.allocation import solve
 from ..view import View
 from .wimmer import clamped_shares
@@ -45,7 +46,7 @@ class Peng:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "peng")
-        self._costs = ResolutionCosts(scene, "peng")
+        self._costs = make_resolution_costs(scene, "peng")
         self._budget_ms = budget_ms
 
     def select(self, view: View) -> Selection:

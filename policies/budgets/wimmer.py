@@ -11,7 +11,8 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import Interval, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
 from ..solvers.allocation import allocate, solve
 from ..view import View
 
@@ -71,7 +72,7 @@ class Wimmer:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "wimmer")
-        self._costs = ResolutionCosts(scene, "wimmer")
+        self._costs = make_resolution_costs(scene, "wimmer")
         self._budget_ms = budget_ms
 
     def select(self, view: View) -> Selection:
