@@ -60,6 +60,8 @@ class SteadyCosts(ResolutionCosts):
         self._least = np.where(self._linear_line.slope > 0.0, self._low, 1.0)
         self._any_soft, self._all_soft = levels.continuous.any(), levels.continuous.all()
         self._kept = Kept(self._gather)
+        self._seen: View | None = None
+        self._known_ms = 0.0
 
     def _gather(self, view: View) -> _Same:
         levels = self._levels
@@ -114,9 +116,12 @@ class SteadyCosts(ResolutionCosts):
         return np.where(self._levels.continuous.take(same.kind), resolution, level)
 
     def _rest_ms(self, view: View, same: _Same) -> float:
-        """Return what does not depend on levels."""
-        view_ms, _ = self._costs.view_line_above(same.kind, view, same.low)
-        return self._costs.fixed_ms(view.camera.viewport_px, same.types) + float(view_ms.sum())
+        """Return what does not depend on levels; it is asked for twice a frame."""
+        if view is not self._seen:
+            view_ms, _ = self._costs.view_line_above(same.kind, view, same.low)
+            fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+            self._seen, self._known_ms = view, fixed_ms + float(view_ms.sum())
+        return self._known_ms
 
 
 def make_resolution_costs(scene: Scene, policy: str) -> ResolutionCosts:

@@ -14,7 +14,7 @@ notes.
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from .allocation import Allocation, Shares
 
 _SHRINK = 0.8
@@ -137,25 +137,28 @@ class _Search:
             self.part, self.rest = 0.0, scale
             return True
         up, down = self._ways(rises, self.highest, scale), self._ways(falls, self.lowest, scale)
-        # The nearest bound ends the step.
-        length = min(float(up.min(initial=1.0)), float(down.min(initial=1.0)))
+        # The nearest bound ends the step.  Bounds met at the same length enter together, which
+        # spares a pass for each tie.
+        length = min(float(way.min()) for way in (up, down) if len(way))
+        if len(up):
+            self._hold(rises[up <= length], self.high, self.held_high)
+        if len(down):
+            self._hold(falls[down <= length], self.low, self.held_low)
         self.part *= 1.0 - length
         self.rest += length * (scale - self.rest)
-        # Bounds met at the same length enter together, which spares a pass for each tie.
-        for at, bound, held in (
-            (rises[up <= length], self.high, self.held_high),
-            (falls[down <= length], self.low, self.held_low),
-        ):
-            if len(at):
-                self.held_x[at] = bound[at]
-                self.paid[at] = self.lowest[at] = 0.0
-                self.highest[at] = np.inf
-                self.free[at] = False
-                held[at] = True
         return False
+
+    def _hold(self, at: IntArray, bound: FloatArray, held: BoolArray) -> None:
+        self.held_x[at] = bound[at]
+        self.paid[at] = self.lowest[at] = 0.0
+        self.highest[at] = np.inf
+        self.free[at] = False
+        held[at] = True
 
     def _ways(self, at: IntArray, bounds: FloatArray, scale: float) -> FloatArray:
         """Return at which share of the way to the target each of some bounds lies."""
+        if not len(at):
+            return np.zeros(0)
         bound, place = bounds[at], self.place[at]
         place *= self.part
         place += self.rest
