@@ -9,8 +9,10 @@ from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.kept import Kept
 from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
 from ..solvers.active_set import search_active_set
 from ..solvers.allocation import Allocation, solve
@@ -24,8 +26,12 @@ def velocity_weight(speed_deg_s: FloatArray) -> FloatArray:
     ``57.69 - 27.78 log10(v)``, and 0.1 beyond 118.3.  Restored: the text at hand lost the formula;
     the constants meet at both joins to 0.02 %.
     """
-    speed = np.maximum(speed_deg_s, 0.825)
-    return np.clip((57.69 - 27.78 * np.log10(speed)) / 60.0, 0.1 / 60.0, 1.0)
+    weight = np.maximum(speed_deg_s, 0.825)
+    np.log10(weight, out=weight)
+    weight *= -27.78
+    weight += 57.69
+    weight /= 60.0
+    return np.minimum(np.maximum(weight, 0.1 / 60.0, out=weight), 1.0, out=weight)
 
 
 def eccentricity_weight(angle_deg: FloatArray) -> FloatArray:
@@ -33,7 +39,10 @@ def eccentricity_weight(angle_deg: FloatArray) -> FloatArray:
 
     Reddy's 1 up to 5.79 degrees, then ``7.49 / (0.3 e + 1)^2``.  Restored, as `velocity_weight`.
     """
-    return np.minimum(7.49 / np.square(0.3 * angle_deg + 1.0), 1.0)
+    weight = 0.3 * angle_deg
+    weight += 1.0
+    np.divide(7.49, np.square(weight, out=weight), out=weight)
+    return np.minimum(weight, 1.0, out=weight)
 
 
 @dataclass
@@ -87,33 +96,46 @@ class Gobbetti:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "gobbetti")
-        self._costs = ResolutionCosts(scene, "gobbetti")
+        self._costs = make_resolution_costs(scene, "gobbetti")
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt)
         self._last = np.zeros(len(scene))
+        self._kept = Kept(self._importance)
 
     def select(self, view: View) -> Selection:
         """Return the resolutions of least degradation that fit the budget."""
         costs = self._costs
         budget_ms = self._v_time.budget_ms(view, self._budget_ms)
         problem = costs.problem(view, budget_ms)
-        result = self._solve(problem, self.degradation(view), self._last[view.ids])
-        resolution = problem.resolution(result.x)
+        if problem.affords_all():
+            # What anything is worth need not be known.
+            resolution = problem.resolution(problem.high)
+            work = Work(len(view), len(problem.cost), 1)
+        else:
+            result = self._solve(problem, self.degradation(view), self._last[view.ids])
+            resolution = problem.resolution(result.x)
+            work = Work(len(view), result.comparisons, result.iterations)
         self._last.fill(0.0)
         self._last[view.ids] = resolution
-        work = Work(len(view), result.comparisons, result.iterations)
         selection = costs.selection(view, resolution, budget_ms, work)
+        if not self.adapt:
+            return selection
         return replace(selection, predicted_ms=self._v_time.expect(selection.predicted_ms))
 
     def degradation(self, view: View) -> FloatArray:
         """Return the degradation of each candidate in full detail, ``s · w``, (m,)."""
-        factor = view.area_px * view.scene.importance[view.ids]
-        if self.weight == "area-per-triangle":
-            factor /= self._costs.primitives(view)
+        factor = view.area_px * self._kept.of(view)
         if self.velocity:
             factor *= velocity_weight(view.speed_deg_s)
         if self.eccentricity:
             factor *= eccentricity_weight(view.eccentricity_deg)
+        return factor
+
+    def _importance(self, view: View) -> FloatArray:
+        """Return importance, and per triangle if that is what w is; the same in every frame."""
+        factor = view.scene.importance[view.ids]
+        if self.weight == "area-per-triangle":
+            factor /= self._costs.primitives(view)
         return factor
 
     def _solve(

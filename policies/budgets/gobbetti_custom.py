@@ -13,7 +13,7 @@ from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.ranges import PositiveInt, check_parameters
-from ..shared.resolution_cost import ResolutionCosts
+from ..shared.steady_costs import make_resolution_costs
 from ..solvers.convex_program import ConvexProgram, Point
 from ..view import View
 
@@ -76,7 +76,7 @@ class GobbettiCustom:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""
         check_parameters(self, "gobbetti-custom")
-        self._costs = ResolutionCosts(scene, "gobbetti-custom")
+        self._costs = make_resolution_costs(scene, "gobbetti-custom")
         self._budget_ms = budget_ms
         self._program = self._build(_FEWEST_PLACES)
         self._last = np.zeros((2, len(scene)))

@@ -7,8 +7,10 @@ from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.kept import Kept
 from ..shared.ranges import Interval, NotNegative, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
 from ..solvers.allocation import solve
 from ..view import View
 from .wimmer import clamped_shares
@@ -45,14 +47,16 @@ class Peng:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "peng")
-        self._costs = ResolutionCosts(scene, "peng")
+        self._costs = make_resolution_costs(scene, "peng")
         self._budget_ms = budget_ms
+        self._kept = Kept(self._spread)
 
     def select(self, view: View) -> Selection:
         """Return the shares of every candidate that is large enough."""
         costs, candidates = self._costs, len(view)
-        large = view.area_px >= self.threshold_px
-        seen = view if large.all() else view.at(view.ids[large])
+        seen = view
+        if self.threshold_px > 0.0 and not (large := view.area_px >= self.threshold_px).all():
+            seen = view.at(view.ids[large])
         problem = costs.problem(seen, self._budget_ms)
         resolution, work = self._share(problem, seen)
         work = Work(candidates, work.comparisons + candidates, work.iterations)
@@ -61,9 +65,13 @@ class Peng:
     def _share(self, problem: ResolutionProblem, view: View) -> tuple[FloatArray, Work]:
         # The weight at which (weight / cost)^(1/α) is A^(1/α) over full primitives.
         weight = problem.cost[: len(view)] * view.area_px
-        weight *= self._costs.primitives(view) ** -self.alpha
+        weight *= self._kept.of(view)
         if self.mode == "clipped":
             return clamped_shares(problem, weight, self.alpha)
         result = solve(problem.shares(weight, self.alpha))
         work = Work(len(view), result.comparisons, result.iterations)
         return problem.resolution(result.x), work
+
+    def _spread(self, view: View) -> FloatArray:
+        """Return full primitives to the power -α; the same in every frame."""
+        return self._costs.primitives(view) ** -self.alpha

@@ -10,9 +10,11 @@ from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.kept import Kept
 from ..shared.ranges import Interval, check_parameters
-from ..shared.resolution_cost import ResolutionCosts, ResolutionProblem
-from ..solvers.allocation import allocate, solve
+from ..shared.resolution_problem import ResolutionProblem
+from ..shared.steady_costs import make_resolution_costs
+from ..solvers.allocation import Shares, solve
 from ..view import View
 
 
@@ -29,11 +31,14 @@ def clamped_shares(
     # A second piece is full where the first has begun, which is all that the closed form knows.
     budget_ms = problem.budget_ms - float(problem.cost[count:] @ problem.high[count:])
     if 0.0 < budget_ms < math.inf:
-        paid = cost > 0.0
-        closed = allocate(
-            np.where(paid, weight, 0.0), np.where(paid, cost, 1.0), budget_ms, power=power
+        # The closed form of `allocation`: in proportion to `unit`, what it costs adding up.
+        unit = Shares(weight, cost, budget_ms, power, low, low).unit()
+        if not cost.all():
+            unit[cost <= 0.0] = 0.0  # nothing is gained by less of what is free
+        resolution = unit * (budget_ms / max(float(cost @ unit), 1e-300))
+        np.minimum(
+            np.maximum(resolution, low, out=resolution), problem.high[:count], out=resolution
         )
-        resolution = np.clip(closed.x, low, problem.high[:count])
         if float(cost @ resolution) <= budget_ms:
             return resolution, Work(count, 2 * count, 1)
     bounded = solve(problem.shares(weight, power))
@@ -71,14 +76,18 @@ class Wimmer:
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "wimmer")
-        self._costs = ResolutionCosts(scene, "wimmer")
+        self._costs = make_resolution_costs(scene, "wimmer")
         self._budget_ms = budget_ms
+        self._kept = Kept(self._importance)
 
     def select(self, view: View) -> Selection:
         """Return the clamped shares of every candidate."""
         costs = self._costs
         problem = costs.problem(view, self._budget_ms)
-        weight = view.area_px * view.scene.importance[view.ids]
-        weight *= self._costs.primitives(view) ** -float(self.m)
+        weight = view.area_px * self._kept.of(view)
         resolution, work = clamped_shares(problem, weight, self.m + 1.0)
         return costs.selection(view, resolution, self._budget_ms, work)
+
+    def _importance(self, view: View) -> FloatArray:
+        """Return importance per primitive to the power m; the same in every frame."""
+        return view.scene.importance[view.ids] * self._costs.primitives(view) ** -float(self.m)

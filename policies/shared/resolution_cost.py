@@ -12,64 +12,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray
 from ...models.scene.benefit import level_primitives
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
-from ..solvers.allocation import Shares
 from ..view import View
 from .choices import distinct, require_costs
 from .discretise import nearest_level
+from .resolution_problem import ResolutionProblem
 
 _LEAST_RESOLUTION = 1e-9
 """Stands for 0, which is no resolution, where the coarsest level of a type is empty."""
 
-_KEPT_BACK = 1e-9
+KEPT_BACK = 1e-9
 """Share of the budget that is left to rounding, so that a prediction never exceeds it."""
-
-
-@dataclass(frozen=True, slots=True)
-class ResolutionProblem:
-    """Σ cost · x <= budget over pieces of resolution.
-
-    The first m pieces are the candidates.  A candidate whose cost rises slowly at first, while its
-    pixels hide its geometry, and faster from a kink on, has its first stretch as a second piece:
-    as the slopes rise, the optimum fills the second piece before it begins the first.
-
-    Attributes
-    ----------
-    budget_ms : float
-        What is left for the pieces; infinite where everything in full is known to fit.
-    cost, low, high : (m + e,) float64
-        Milliseconds per unit of resolution, and bounds.
-    second : (e,) int
-        Candidates with a second piece.
-    """
-
-    budget_ms: float
-    cost: FloatArray
-    low: FloatArray
-    high: FloatArray
-    second: IntArray
-
-    def pieces(self, values: FloatArray) -> FloatArray:
-        """Return values of candidates for every piece, (m + e,)."""
-        return np.concatenate((values, values[self.second])) if len(self.second) else values
-
-    def shares(self, weight: FloatArray, power: float) -> Shares:
-        """Return what the pieces share, for the weights of candidates, (m,)."""
-        pieces = self.pieces(weight)
-        return Shares(pieces, self.cost, self.budget_ms, power, self.low, self.high)
-
-    def resolution(self, x: FloatArray) -> FloatArray:
-        """Return the resolution of each candidate from x of each piece, (m,)."""
-        if not len(self.second):
-            return x
-        count = len(x) - len(self.second)
-        resolution = x[:count].copy()
-        resolution[self.second] += x[count:] - self.low[self.second]
-        return resolution
 
 
 class ResolutionCosts:
@@ -97,7 +54,7 @@ class ResolutionCosts:
         # Two pieces make r = x₁ + x₂ - kink, at fixed + cost · x₁ + slow · (x₂ - kink).  The
         # constant slow · kink goes to the budget below, so that Σ cost · x is left to be paid.
         second = np.flatnonzero((cost > slow) & (low > bottom) & (slow > 0.0))
-        left_ms = budget_ms * (1.0 - _KEPT_BACK) - self.fixed_ms(view)
+        left_ms = budget_ms * (1.0 - KEPT_BACK) - self.fixed_ms(view)
         left_ms -= float(fixed.sum()) - float(slow[second] @ low[second])
         # Lines above the true cost may refuse full detail that fits, so that is asked of the model.
         if not self._exact and self.predict_ms(view, self.finest(view)) <= budget_ms:

@@ -14,7 +14,7 @@ notes.
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from .allocation import Allocation, Shares
 
 _SHRINK = 0.8
@@ -49,25 +49,39 @@ def search_active_set(
 class _Search:
     """A feasible point and the bounds held with equality.
 
-    `share` and `paid` are t and cost · t of what is free and 0 of what is held; `held_x` is x of
-    what is held and 0 of what is free.  So a pass is a few operations on whole arrays.
+    What is free moves in proportion to its unit t: x is ``(part · place + rest) · t``, two numbers
+    for all and a place of each, so that a pass only looks at what meets a bound.  `lowest` and
+    `highest` are bounds in units of t; of what is held they are out of reach.
     """
 
     def __init__(self, shares: Shares) -> None:
         self.weight, self.cost = shares.weight, shares.cost
         self.budget, self.power = shares.budget, shares.power
         self.low, self.high = shares.low, shares.high
-        # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
-        self.x = self.low.copy()
         self.iterations, self.comparisons, self.multiplier = 0, 0, 0.0
         # What costs nothing is at its upper bound, and what weighs nothing at its lower, for good.
         self.held_high = (self.cost <= 0.0) | (self.low >= self.high)
+        self.held_low = (self.weight <= 0.0) & ~self.held_high
         # The unit is infinite where the cost is 0; with 0 there, sums over everything need no mask.
         self.unit = np.where(self.held_high, 0.0, shares.unit())
-        self.held_low = (self.weight <= 0.0) & ~self.held_high
-        self.share, self.paid = self.unit.copy(), self.unit * self.cost
-        self.held_x = np.zeros(len(self.cost))
-        self._hold(np.flatnonzero(self.held_high), np.flatnonzero(self.held_low))
+        self.free = ~(self.held_high | self.held_low)
+        self.paid = self.unit * self.cost
+        self.paid[self.held_low] = 0.0
+        self.held_x = np.where(self.held_high, self.high, np.where(self.held_low, self.low, 0.0))
+        self.lowest = np.divide(self.low, self.unit, out=np.zeros(len(self.low)), where=self.free)
+        self.highest = np.full(len(self.low), np.inf)
+        np.divide(self.high, self.unit, out=self.highest, where=self.free)
+        # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
+        self.place, self.part, self.rest = self.lowest.copy(), 1.0, 0.0
+
+    @property
+    def x(self) -> FloatArray:
+        """The point, (n,); rounding does not carry it past a bound: it is feasible to the bit."""
+        x = self.part * self.place
+        x += self.rest
+        x *= self.unit
+        np.minimum(np.maximum(x, self.low, out=x), self.high, out=x)
+        return np.where(self.free, x, self.held_x)
 
     def begin(self, start: FloatArray, max_iterations: int) -> None:
         """Begin at `start`, scaled down as far as the budget needs, or at `low` if that takes long.
@@ -75,16 +89,15 @@ class _Search:
         Objects of the highest degradation per cost are scaled first, all by the same factor; if the
         budget is still exceeded after the last, another round follows, which counts as a pass.
         """
-        held = self.held_low | self.held_high
-        x = np.where(held, self.x, start)
+        x = np.where(self.free, start, self.held_x)
         excess = float(self.cost @ x) - self.budget
         while excess > 0.0:
-            # Out of passes: `self.x` still is `low`, which keeps every bound and the budget.
+            # Out of passes: the point still is `low`, which keeps every bound and the budget.
             if self.iterations == max_iterations:
                 return
             # Degradation over cost is proportional to (unit / x)^power, which sorts alike.
             order = np.argsort(-(self.unit / x), kind="stable")
-            less = np.where(held, x, np.maximum(_SHRINK * x, self.low))
+            less = np.where(self.free, np.maximum(_SHRINK * x, self.low), x)
             # No more objects than are needed: up to where the savings first make up for the excess.
             saved = np.cumsum((self.cost * (x - less))[order])
             count = int(np.searchsorted(saved, excess)) + 1
@@ -92,12 +105,12 @@ class _Search:
             excess = float(self.cost @ x) - self.budget
             self.iterations += 1
             self.comparisons += int(len(x) * np.log2(len(x) + 1))
-        self.x = x
+        np.divide(x, self.unit, out=self.place, where=self.free)
 
     def step(self) -> bool:
         """Make one pass; return whether the point is the optimum."""
         self.iterations += 1
-        self.comparisons += 2 * len(self.x)
+        self.comparisons += 2 * len(self.cost)
         # With what is held fixed, the minimiser spends the rest of the budget on x = scale · t:
         # the closed form at the top of this file.
         wanted = float(self.paid.sum())
@@ -108,58 +121,68 @@ class _Search:
                 return False
             # weight · x^-power = λ · cost with x = scale · t gives λ = scale^-power, t cancelling.
             self.multiplier = scale**-self.power
+            x = self.x
         else:
-            self.multiplier = self._multiplier_at_vertex()
-        return self._release()
+            x = self.x
+            self.multiplier = self._multiplier_at_vertex(x)
+        return self._release(x)
 
     def _reach(self, scale: float) -> bool:
         """Go towards the solution of the working set; return whether no bound was in the way."""
         # Present point and target keep the budget, and the cost is linear in x, so every point
         # between them does too.
-        target = scale * self.share
-        target += self.held_x
-        falls, rises = target < self.low, target > self.high
-        broken = np.flatnonzero(falls | rises)
-        if not len(broken):
-            self.x = target
+        rises = (self.highest < scale).nonzero()[0]
+        falls = (self.lowest > scale).nonzero()[0]
+        if not len(rises) and not len(falls):
+            self.part, self.rest = 0.0, scale
             return True
-        low, high, x = self.low[broken], self.high[broken], self.x[broken]
-        # Share of the way at which each broken bound lies; the nearest one ends the step.
-        part = (np.where(falls[broken], low, high) - x) / (target[broken] - x)
-        length = float(part.min())
-        # Bounds met at the same length enter together, which spares a pass for each tie.
-        met = broken[part <= length]
-        target -= self.x
-        target *= length
-        self.x += target
-        # Rounding must not carry a variable past its bound: points are feasible to the bit.
-        self.x[broken] = np.minimum(np.maximum(self.x[broken], low), high)
-        self._hold(met[rises[met]], met[falls[met]])
+        up, down = self._ways(rises, self.highest, scale), self._ways(falls, self.lowest, scale)
+        # The nearest bound ends the step.  Bounds met at the same length enter together, which
+        # spares a pass for each tie.
+        length = min(float(way.min()) for way in (up, down) if len(way))
+        if len(up):
+            self._hold(rises[up <= length], self.high, self.held_high)
+        if len(down):
+            self._hold(falls[down <= length], self.low, self.held_low)
+        self.part *= 1.0 - length
+        self.rest += length * (scale - self.rest)
         return False
 
-    def _hold(self, at_high: IntArray, at_low: IntArray) -> None:
-        for at, bound, held in (
-            (at_high, self.high, self.held_high),
-            (at_low, self.low, self.held_low),
-        ):
-            self.x[at] = self.held_x[at] = bound[at]
-            self.share[at] = self.paid[at] = 0.0
-            held[at] = True
+    def _hold(self, at: IntArray, bound: FloatArray, held: BoolArray) -> None:
+        self.held_x[at] = bound[at]
+        self.paid[at] = self.lowest[at] = 0.0
+        self.highest[at] = np.inf
+        self.free[at] = False
+        held[at] = True
 
-    def _multiplier_at_vertex(self) -> float:
+    def _ways(self, at: IntArray, bounds: FloatArray, scale: float) -> FloatArray:
+        """Return at which share of the way to the target each of some bounds lies."""
+        if not len(at):
+            return np.zeros(0)
+        bound, place = bounds[at], self.place[at]
+        place *= self.part
+        place += self.rest
+        # Rounding may have carried it past the bound, which is not the way.
+        limit = np.minimum if bounds is self.highest else np.maximum
+        limit(place, bound, out=place)
+        bound -= place
+        bound /= np.subtract(scale, place, out=place)
+        return bound
+
+    def _multiplier_at_vertex(self, x: FloatArray) -> float:
         """Return λ where every bound is held: 0 with budget left, else what `low` demands."""
         # Budget left over: complementary slackness makes its multiplier 0.
-        if float(self.cost @ self.x) < self.budget * (1.0 - _TOLERANCE):
+        if float(self.cost @ x) < self.budget * (1.0 - _TOLERANCE):
             return 0.0
         # No free variable determines λ.  Lower bounds hold if λ is at least (unit / low)^power;
         # with the least such λ only the upper bounds are left to be tested.
         demand = np.where(self.held_low, self.unit / self.low, 0.0)
         return float(demand.max()) ** self.power
 
-    def _release(self) -> bool:
+    def _release(self, x: FloatArray) -> bool:
         """Let go of the bound with the most negative multiplier, or return that there is none."""
         price = self.multiplier * self.cost
-        value = self.weight * self.x**-self.power
+        value = self.weight * x**-self.power
         # The bounds' own multipliers: negative where leaving the bound would lower the degradation.
         slack = np.where(self.held_low, price - value, np.where(self.held_high, value - price, 0.0))
         # Between equal bounds there is no way to go, whatever the sign.
@@ -170,6 +193,11 @@ class _Search:
             return True
         self.held_low[worst] = self.held_high[worst] = False
         self.held_x[worst] = 0.0
-        self.share[worst] = self.unit[worst]
-        self.paid[worst] = self.cost[worst] * self.unit[worst]
+        unit = self.unit[worst]
+        self.lowest[worst], self.highest[worst] = self.low[worst] / unit, self.high[worst] / unit
+        self.paid[worst] = self.cost[worst] * unit
+        # All that is free is at the target; what is let go of begins at its bound.
+        self.place.fill(self.rest)
+        self.place[worst] = x[worst] / unit
+        self.part, self.rest, self.free[worst] = 1.0, 0.0, True
         return False

@@ -1,0 +1,131 @@
+"""Lines over resolution, the same in every frame where types alone say what levels cost."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...base.arrays import FloatArray, IntArray
+from ...models.scene.scene import Scene
+from ..view import View
+from .choices import distinct, require_costs
+from .kept import Kept
+from .resolution_cost import KEPT_BACK, ResolutionCosts
+from .resolution_problem import ResolutionProblem
+
+_NONE = np.zeros(0, dtype=np.intp)
+
+
+class _Same(NamedTuple):
+    """What is the same of m candidates in every frame.
+
+    Attributes
+    ----------
+    kind, first : (m,) int
+        Types, and rows of the finest levels.
+    types : int
+        Distinct types.
+    start_ms, full_ms : float
+        Sums of where lines start, and of what full detail costs, whatever the view.
+    slope, low, high : (m,) float64
+        Milliseconds per unit of resolution, and its bounds.
+    key : (L, m) float64
+        Coarseness of levels as `nearest_level` orders them; infinite where there is none.
+    coarsest : (m,) float64
+    """
+
+    kind: IntArray
+    first: IntArray
+    types: int
+    start_ms: float
+    full_ms: float
+    slope: FloatArray
+    low: FloatArray
+    high: FloatArray
+    key: FloatArray
+    coarsest: FloatArray
+
+
+class SteadyCosts(ResolutionCosts):
+    """`ResolutionCosts` without a roofline and without terms of the view that read levels."""
+
+    def __init__(self, scene: Scene, policy: str) -> None:
+        """Raise InputError if the scene has no cost model; `policy` is named in the message."""
+        super().__init__(scene, policy)
+        levels = scene.types.levels
+        columns = np.arange(int(levels.level_count.max()))
+        row = np.minimum(levels.start[:-1, None] + columns, levels.start[1:, None] - 1)
+        coarseness = 1.0 - levels.resolution[row]
+        self._key = np.where(columns < levels.level_count[:, None], coarseness, np.inf)
+        # Where nothing rises with the resolution less detail saves nothing.
+        self._least = np.where(self._linear_line.slope > 0.0, self._low, 1.0)
+        self._any_soft, self._all_soft = levels.continuous.any(), levels.continuous.all()
+        self._kept = Kept(self._gather)
+        self._seen: View | None = None
+        self._known_ms = 0.0
+
+    def _gather(self, view: View) -> _Same:
+        levels = self._levels
+        kind = view.type_index.astype(np.intp)
+        first = levels.start.take(kind).astype(np.intp)
+        return _Same(
+            kind,
+            first,
+            distinct(kind),
+            float(self._linear_line.start.take(kind).sum()),
+            float(self._costs.level_ms.take(first).sum()),
+            self._linear_line.slope.take(kind),
+            self._least.take(kind),
+            np.ones(len(kind)),
+            np.ascontiguousarray(self._key.take(kind, axis=0).T),
+            levels.level_count.take(kind) - 1.0,
+        )
+
+    def fixed_ms(self, view: View) -> float:
+        """Return what a frame costs before its first object, as `ResolutionCosts`."""
+        return self._costs.fixed_ms(view.camera.viewport_px, self._kept.of(view).types)
+
+    def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
+        """Return the allocation problem of a frame."""
+        same = self._kept.of(view)
+        rest_ms = self._rest_ms(view, same)
+        left_ms = budget_ms * (1.0 - KEPT_BACK) - rest_ms - same.start_ms
+        if not self._exact and same.full_ms + rest_ms <= budget_ms:
+            left_ms = np.inf
+        return ResolutionProblem(left_ms, same.slope, same.low, same.high, _NONE)
+
+    def predict_ms(self, view: View, detail: FloatArray) -> float:
+        """Return the frame's GPU time with the candidates at these details, exactly."""
+        same, levels = self._kept.of(view), self._levels
+        if self._any_soft:
+            row, fraction = levels.position(view.type_index, detail)
+            objects_ms = levels.interpolate(self._costs.level_ms, row, fraction)
+        else:
+            objects_ms = self._costs.level_ms.take(same.first + detail.astype(np.intp))
+        return self._rest_ms(view, same) + float(objects_ms.sum())
+
+    def detail(self, view: View, resolution: FloatArray) -> FloatArray:
+        """Return resolutions of continuous types, and the nearest level not above of others."""
+        if self._all_soft:
+            return resolution
+        same = self._kept.of(view)
+        coarser = np.less(same.key, 1.0 - resolution)
+        level = np.add.reduce(coarser, axis=0, dtype=np.float64)
+        np.minimum(level, same.coarsest, out=level)
+        if not self._any_soft:
+            return level
+        return np.where(self._levels.continuous.take(same.kind), resolution, level)
+
+    def _rest_ms(self, view: View, same: _Same) -> float:
+        """Return what does not depend on levels; it is asked for twice a frame."""
+        if view is not self._seen:
+            view_ms, _ = self._costs.view_line_above(same.kind, view, same.low)
+            fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+            self._seen, self._known_ms = view, fixed_ms + float(view_ms.sum())
+        return self._known_ms
+
+
+def make_resolution_costs(scene: Scene, policy: str) -> ResolutionCosts:
+    """Return a scene's costs over resolution; raise InputError if it has no cost model."""
+    costs = require_costs(scene, policy)
+    steady = costs.linear_in_detail and not costs.model.has_roofline
+    return SteadyCosts(scene, policy) if steady else ResolutionCosts(scene, policy)
