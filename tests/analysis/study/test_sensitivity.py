@@ -54,7 +54,7 @@ def test_two_seeds_worked_by_hand() -> None:
 def test_common_seeds_do_not_blur_an_effect() -> None:
     """What a seed adds to all runs alike is noise of a run, and no part of an axis."""
     shift = np.array([0.0, 10.0, -10.0])
-    shares = split_variance((A[:, None] + B)[..., None] + shift)
+    shares = split_variance(np.asarray((A[:, None] + B)[..., None] + shift, dtype=np.float64))
     axes, _, noise = values_of(shares)
     # By hand: variance of the three shifts as a sample is 100, beside 2/3 + 4.
     total = 100.0 + 14 / 3
@@ -89,7 +89,7 @@ def test_ishigami_has_its_known_indices() -> None:
     independent = sobol_indices(
         func=lambda x: ishigami(*x),
         n=4096,
-        dists=[uniform(-np.pi, 2.0 * np.pi)] * 3,
+        dists=[uniform(-np.pi, 2.0 * np.pi)] * 3,  # pyright: ignore[reportArgumentType]  # as documented
         rng=np.random.default_rng(0),
     )
     assert axes == pytest.approx(independent.first_order, abs=0.03)
