@@ -110,32 +110,32 @@ def compare(
     """
     from .study.compare import CompareOptions
     from .study.compare import compare as compare_specs
-    from .study.comparison_folder import check_target, write_results
+    from .study.comparison_target import claimed_target
 
-    if out is not None:
-        check_target(Path(out))
-    world, machine = as_scene(scene), as_hardware(hardware)
-    options = ReplayOptions(
-        budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,
-        seed=seed,
-        frames=frames,
-        fovy_deg=fovy_deg,
-        crossfade_ms=crossfade_ms,
-        measurement_delay=measurement_delay,
-        faults=faults or Faults(),
-        memory_bytes=memory_bytes,
-    )
-    comparison, logs = compare_specs(
-        specs_of(default_policies() if policies is None else policies),
-        world,
-        as_trace(_only(traces), world, place),
-        machine,
-        options,
-        CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers),
-        progress=progress,
-    )
-    if out is not None:
-        write_results(Path(out), comparison, logs)
+    with claimed_target(None if out is None else Path(out)) as target:
+        world, machine = as_scene(scene), as_hardware(hardware)
+        options = ReplayOptions(
+            budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,
+            seed=seed,
+            frames=frames,
+            fovy_deg=fovy_deg,
+            crossfade_ms=crossfade_ms,
+            measurement_delay=measurement_delay,
+            faults=faults or Faults(),
+            memory_bytes=memory_bytes,
+        )
+        comparison, logs = compare_specs(
+            specs_of(default_policies() if policies is None else policies),
+            world,
+            as_trace(_only(traces), world, place),
+            machine,
+            options,
+            CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers),
+            progress=progress,
+            target=target,
+        )
+        if target is not None:
+            target.write(comparison, logs)
     return comparison
 
 

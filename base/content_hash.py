@@ -24,6 +24,11 @@ def content_hash(*values: object) -> str:
     return digest.hexdigest()
 
 
+def hash_bytes(content: bytes) -> str:
+    """Return the hash of bytes, such as of a file."""
+    return hashlib.blake2b(content, digest_size=SIZE_BYTES).hexdigest()
+
+
 def _add(digest: Any, given: object) -> None:
     """Add a value, told apart by its kind, with its length first where it has one."""
     value: Any = given  # an untyped edge: what the checks below find it to be

@@ -1,7 +1,8 @@
 """A folder beside an output for what is not finished yet, removed at any exit.
 
-Its name tells which process of which machine made it.  So a later write to the same place removes
-what a killed run left there, and puts back what that run had moved aside.
+Its name tells which machine made it, and a lock in it is held for as long as the process runs.  So
+a later write to the same place removes what a killed run left there, and puts back what that run
+had moved aside.
 """
 
 import errno
@@ -15,9 +16,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import InputError
+from .file_lock import NO_LOCKS, lock_file, unlock_file
+from .folder_lock import sweep_locks
 
 MOVED = "moved"
 """The folder in a scratch folder that holds, under its own name, what was moved aside."""
+
+_LOCK = "lock"  # beside `NEW`, in which outputs have names of their own
+NEW = "new"
+"""The folder in a scratch folder that holds what is being written."""
 
 _PREFIX = f".lodbench-{platform.node()}-"
 _NAME = re.compile(rf"{re.escape(_PREFIX)}(\d{{1,9}})-\w+\.partial")
@@ -29,14 +36,17 @@ _MISTAKES = {errno.ENOENT, errno.EEXIST}
 def scratch_beside(target: Path, shown: Path) -> Generator[Path]:
     """Yield a new folder beside `target`, on the same disk, and remove it afterwards.
 
+    In it there is an empty folder `NEW`.
+
     Raises `InputError`, naming `shown`, if it cannot be made, the disk is full, or what the caller
     does in it is refused by the operating system.
     """
     scratch: Path | None = None
+    lock: int | None = None
     try:
         sweep(target.parent)
-        prefix = f"{_PREFIX}{os.getpid()}-"
-        scratch = Path(tempfile.mkdtemp(".partial", prefix, target.parent))
+        scratch, lock = _make_locked(target.parent)
+        (scratch / NEW).mkdir()
         yield scratch
     except OSError as error:
         if scratch is None or _refuses_output(error, scratch):
@@ -47,23 +57,58 @@ def scratch_beside(target: Path, shown: Path) -> Generator[Path]:
             ) from error
         raise
     finally:
+        if lock is not None:
+            unlock_file(lock)  # first, as Windows removes no open file
         if scratch is not None:
             _discard(scratch)
 
 
+def _make_locked(folder: Path) -> tuple[Path, int | None]:
+    """Return a new scratch folder and the handle of its lock, None where there are no locks."""
+    while True:
+        scratch = Path(tempfile.mkdtemp(".partial", f"{_PREFIX}{os.getpid()}-", folder))
+        try:
+            return scratch, lock_file(scratch / _LOCK)
+        except (BlockingIOError, FileNotFoundError):
+            continue  # before it was locked, somebody took it for left behind, and removes it
+        except OSError as error:
+            if error.errno in NO_LOCKS:
+                return scratch, None
+            _discard(scratch)
+            raise
+
+
 def _refuses_output(error: OSError, scratch: Path) -> bool:
     """Whether the system refused to write here; the caller's other troubles are not about that."""
-    inside = Path(str(error.filename)).is_relative_to(scratch)
-    return error.errno in _FULL or (inside and error.errno not in _MISTAKES)
+    names = (error.filename, error.filename2)
+    inside = any(Path(str(name)).is_relative_to(scratch) for name in names)
+    gone = not scratch.exists()
+    return gone or error.errno in _FULL or (inside and error.errno not in _MISTAKES)
 
 
 def sweep(folder: Path) -> None:
     """Remove what processes of this machine that run no more left in a folder."""
     with suppress(OSError):  # a folder that is missing or cannot be listed has nothing to sweep
         for path in list(folder.iterdir()):
-            name = _NAME.fullmatch(path.name)
-            if name and not _runs(int(name[1])):
-                _discard(path)
+            if name := _NAME.fullmatch(path.name):
+                _discard_left(path, int(name[1]))
+        sweep_locks(folder)
+
+
+def _discard_left(scratch: Path, process: int) -> None:
+    """Remove a scratch folder that nobody holds; without a lock in it, if its process is gone."""
+    try:
+        lock = lock_file(scratch / _LOCK, create=False)
+    except BlockingIOError:
+        return
+    except OSError:  # killed before there was one, or there are no locks on this file system
+        if not _runs(process):
+            _discard(scratch)
+        return
+    _discard(scratch)  # while it is held, so that who has just made it cannot lock it meanwhile
+    unlock_file(lock)
+    if os.name == "nt":
+        _discard(scratch)  # where no open file is removed
 
 
 def flush(path: Path) -> None:

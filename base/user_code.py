@@ -7,14 +7,10 @@ side by side, an edited file is loaded anew, and what was made before the edit k
 import hashlib
 import importlib
 import importlib.util
-import io
-import pickle
 import re
 import sys
-from operator import attrgetter
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
+from types import ModuleType
 
 from .errors import InputError
 from .nearest_names import unknown_name
@@ -28,7 +24,7 @@ def load_object(text: str, what: str) -> object:
     Raises `InputError` if the file or module does not load, or holds no such name.
     """
     where, _, name = text.rpartition(":")
-    module = _load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
+    module = load_file(Path(where), what) if where.endswith(".py") else _import(where, what)
     if not hasattr(module, name):
         own = module.__name__
         public = [
@@ -42,14 +38,11 @@ def load_object(text: str, what: str) -> object:
     return getattr(module, name)
 
 
-def pickle_for_worker(value: object) -> bytes:
-    """Return the pickle of a value, which loads users' files wherever it is unpickled."""
-    buffer = io.BytesIO()
-    _Pickler(buffer, protocol=5).dump(value)
-    return buffer.getvalue()
+def load_file(path: Path, what: str) -> ModuleType:
+    """Return the module that a user's file makes; `what` it should hold is for messages.
 
-
-def _load_file(path: Path, what: str) -> ModuleType:
+    Raises `InputError` if it does not load.
+    """
     if not path.is_file():
         raise InputError(f"expected a Python file with a {what}, got no file", path=path)
     name = _module_name(path)
@@ -73,21 +66,13 @@ def _load_file(path: Path, what: str) -> ModuleType:
     return module
 
 
-class _Pickler(pickle.Pickler):
-    """Refers to a class or function of a user's file by its path: no import would lead there."""
-
-    def reducer_override(self, obj: Any) -> Any:
-        if not isinstance(obj, (type, FunctionType)):
-            return NotImplemented
-        if not str(obj.__module__).startswith(_PREFIX):
-            return NotImplemented
-        file = sys.modules[obj.__module__].__file__
-        assert file is not None, "a user's module is of a file"
-        return _find_in_file, (str(Path(file).resolve()), obj.__qualname__)
-
-
-def _find_in_file(path: str, name: str) -> object:
-    return attrgetter(name)(_load_file(Path(path), "name"))
+def file_of(module: str) -> Path | None:
+    """Return the file that a module was made of by `load_file`, None for any other module."""
+    if not module.startswith(_PREFIX):
+        return None
+    file = sys.modules[module].__file__
+    assert file is not None, "a user's module is of a file"
+    return Path(file).resolve()
 
 
 def _module_name(path: Path) -> str:

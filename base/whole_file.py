@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TextIO
 
 from .errors import InputError
-from .scratch import flush, flush_names, scratch_beside
+from .scratch import NEW, flush, flush_names, scratch_beside
 
 
 @contextmanager
@@ -31,7 +31,7 @@ def whole_file(path: Path) -> Generator[Path]:
         message = "expected a file that can be written, got a read-only one; name another"
         raise InputError(message, path=path)
     with scratch_beside(target, path) as scratch:
-        partial = scratch / target.name
+        partial = scratch / NEW / target.name
         yield partial
         flush(partial)
         if replaces and target.exists():

@@ -9,7 +9,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import InputError
-from .scratch import MOVED, flush, flush_names, scratch_beside, sweep
+from .exchange import exchange
+from .folder_lock import locked
+from .scratch import MOVED, NEW, flush, flush_names, scratch_beside, sweep
 
 
 def require_replaceable(
@@ -29,6 +31,10 @@ def require_replaceable(
     target = Path(os.path.realpath(folder))
     if not target.name or target == Path.cwd():
         message = "expected a folder of its own to write to, got this one; name another"
+        raise InputError(message, path=folder)
+    sweep(target.parent)
+    if os.path.ismount(target):
+        message = "expected a folder that can be replaced, got a mount; name a folder in it"
         raise InputError(message, path=folder)
     if os.path.lexists(target):
         _require_own(folder, ours, command)
@@ -67,36 +73,54 @@ def require_writable(folder: Path) -> None:
 
 
 @contextmanager
+def claimed_folder(
+    folder: Path, ours: str, command: str, *, make_parents: bool = False
+) -> Generator[None]:
+    """Hold a folder from before the work until its result is in place, as its one writer.
+
+    The block does the work, and writes with `whole_folder`.  Parameters are those of
+    `require_replaceable`; `make_parents` makes missing folders above.
+
+    Raises `InputError` as `require_replaceable`, or if another process writes to the folder.
+    """
+    require_replaceable(folder, ours, command, make_parents=make_parents)
+    with locked(folder, make_parents=make_parents):
+        yield
+
+
+@contextmanager
 def whole_folder(folder: Path) -> Generator[Path]:
     """Yield a new folder beside `folder`, and put it in place of that when all is written.
 
-    What was there before is lost only then; see `require_replaceable`.
+    What was there before is lost only then, in one step where the system has one (`exchange`); see
+    `require_replaceable`.
 
-    Raises `InputError` if the folder cannot be written.
+    Raises `InputError` if the folder cannot be written, or another process writes to it.
     """
     target = Path(os.path.realpath(folder))
-    with scratch_beside(target, folder) as scratch:
-        partial, moved = scratch / "new", scratch / MOVED
-        partial.mkdir()
-        yield partial
-        flush(partial)
-        _exchange(partial, target, moved)
+    with locked(folder), scratch_beside(target, folder) as scratch:
+        yield scratch / NEW
+        flush(scratch / NEW)
+        _put_in_place(scratch / NEW, target, scratch / MOVED)
         flush_names(target.parent)
 
 
-def _exchange(new: Path, target: Path, moved: Path) -> None:
-    """Rename `new` to `target`; what was there stands in `moved`, from where an error restores it.
+def _put_in_place(new: Path, target: Path, moved: Path) -> None:
+    """Let `new` be `target`, from whichever of the two names what was there before is removed.
 
-    There is no portable way to do both in one step, so another writer's folder may come between:
-    it is moved away too, and the last writer wins.
+    Without an exchange in one step the old folder stands in `moved` for an instant, from where an
+    error, or the next write beside it, brings it back.  Another writer's folder that comes between,
+    which only a file system without locks allows, is replaced too: the last writer wins.
     """
     while True:
-        shutil.rmtree(moved, ignore_errors=True)
-        moved.mkdir()
-        with suppress(FileNotFoundError):
+        with suppress(FileNotFoundError):  # there is no old folder
+            if exchange(new, target):
+                return
+            shutil.rmtree(moved, ignore_errors=True)
+            moved.mkdir()
             target.rename(moved / target.name)
         try:
-            new.rename(target)
+            new.rename(target)  # which replaces no folder that holds anything
         except OSError as error:
             if error.errno not in {errno.EEXIST, errno.ENOTEMPTY}:
                 raise

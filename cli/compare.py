@@ -66,39 +66,42 @@ def compare(
     """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study import compare as study
-    from ..analysis.study.comparison_folder import check_target, write_results
+    from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.inputs import adjust_machine, load_trace
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import default_policies, parse_policy
     from ..sim.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
-    if out is not None:
-        check_target(out)
-    profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
-    world = open_named_scene(scene).scene
-    policies = [parse_policy(text) for text in policy or default_policies()]
-    path = load_trace(trace, world, place)
-    replay = ReplayOptions(
-        budget_ms=frame_budget(budget_ms, profile),
-        seed=seed,
-        frames=frames,
-        fovy_deg=fovy_deg,
-        crossfade_ms=crossfade_ms,
-        measurement_delay=measurement_delay,
-        faults=parse_faults(faults),
-    )
-    scoring = study.CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
-    with progress_bar("replay") as progress:
-        comparison, logs = study.compare(
-            policies, world, path, profile, replay, scoring, progress=progress
+    with claimed_target(out) as target:
+        profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
+        world = open_named_scene(scene).scene
+        policies = [parse_policy(text) for text in policy or default_policies()]
+        path = load_trace(trace, world, place)
+        replay = ReplayOptions(
+            budget_ms=frame_budget(budget_ms, profile),
+            seed=seed,
+            frames=frames,
+            fovy_deg=fovy_deg,
+            crossfade_ms=crossfade_ms,
+            measurement_delay=measurement_delay,
+            faults=parse_faults(faults),
         )
-    if out is not None:
-        write_results(out, comparison, logs)
-    if as_json:
-        print_record(comparison)
-    else:
-        print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
+        scoring = study.CompareOptions(
+            warmup=warmup, resamples=resamples, draws=draws, workers=workers
+        )
+        with progress_bar("replay") as progress:
+            comparison, logs = study.compare(
+                policies, world, path, profile, replay, scoring, progress=progress, target=target
+            )
+        try:
+            if target is not None:
+                target.write(comparison, logs)
+        finally:  # a disk that is full is no reason to keep the scores back
+            if as_json:
+                print_record(comparison)
+            else:
+                print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:

@@ -4,6 +4,7 @@ A command's module is imported when the command is run, so that ``lodbench --hel
 """
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -118,11 +119,17 @@ def run(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _end(number: int, _frame: object) -> None:
+    """End as Ctrl-C does, so that what is done is kept and what is not done is swept."""
+    raise SystemExit(128 + number)
+
+
 def main() -> None:
     """Run the command line and leave the process; a reader that closed the pipe ends it quietly."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # an ASCII or Latin-1 terminal gets ? for × and ·
             stream.reconfigure(errors="replace")
+    signal.signal(signal.SIGTERM, _end)
     code = run()
     try:
         sys.stdout.flush()

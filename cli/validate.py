@@ -81,7 +81,11 @@ def validate(
     from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
     from ..analysis.validation.validate import require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
-    from ..analysis.validation.validation_folder import read_recordings, write_validation
+    from ..analysis.validation.validation_folder import (
+        claimed_validation,
+        read_recordings,
+        write_validation,
+    )
     from ..analysis.validation.validation_table import print_validation
     from ..models.machine.profile_catalog import load_hardware
     from ..render.gl.recorder import recorded_hardware
@@ -89,37 +93,38 @@ def validate(
 
     labels = list(policy or POLICIES)
     _check_arguments(labels, out, recorded)
-    profile = load_hardware(hardware)
-    replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
-    own_size = profile.display.width_px, profile.display.height_px
-    profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
-    opened = open_named_scene(scene)
-    path = replays.cut_trace(load_trace(trace, opened.scene, place), seconds)
-    require_other_frames(profile, opened.scene.name, path.name)
-    require_priced(profile)
-    require_recordable(labels, opened.scene)
-    scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
-    drawing = RecordOptions(
-        backend=backend, instancing=instancing, repeats=repeats, threads=threads
-    )
-    if recorded is None:
-        with progress_bar("record") as progress:
-            recordings = replays.record_all(
-                labels, opened, path, profile, replay, drawing, passes, progress
-            )
-    else:
-        same = conditions(opened.scene, path, profile, replay)
-        recordings = read_recordings(recorded, labels, same)
-    measured = {
-        label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
-    }
-    comparison, pairs = replays.simulate_all(
-        labels, opened, path, profile, replay, scoring, measured
-    )
-    log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
-    validation = compare_sides(comparison, pairs, profile, log)
-    if out is not None:
-        write_validation(out, validation, pairs, recorded or recordings)
+    with claimed_validation(out):
+        profile = load_hardware(hardware)
+        replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
+        own_size = profile.display.width_px, profile.display.height_px
+        profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
+        opened = open_named_scene(scene)
+        path = replays.cut_trace(load_trace(trace, opened.scene, place), seconds)
+        require_other_frames(profile, opened.scene.name, path.name)
+        require_priced(profile)
+        require_recordable(labels, opened.scene)
+        scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
+        drawing = RecordOptions(
+            backend=backend, instancing=instancing, repeats=repeats, threads=threads
+        )
+        if recorded is None:
+            with progress_bar("record") as progress:
+                recordings = replays.record_all(
+                    labels, opened, path, profile, replay, drawing, passes, progress
+                )
+        else:
+            same = conditions(opened.scene, path, profile, replay)
+            recordings = read_recordings(recorded, labels, same)
+        measured = {
+            label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
+        }
+        comparison, pairs = replays.simulate_all(
+            labels, opened, path, profile, replay, scoring, measured
+        )
+        log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
+        validation = compare_sides(comparison, pairs, profile, log)
+        if out is not None:
+            write_validation(out, validation, pairs, recorded or recordings)
     if as_json:
         print_record(validation)
         return
@@ -130,11 +135,9 @@ def validate(
 
 def _check_arguments(labels: list[str], out: Path | None, recorded: Path | None) -> None:
     """Refuse, before the work, what could not be compared or written after it."""
-    from ..analysis.validation.validation_folder import check_folder
-
     if len(set(labels)) < len(labels):
         raise InputError("--policy: expected each once, got one twice; name it once")
-    if out is not None:
-        check_folder(out)
-        if recorded is not None and recorded.absolute() in out.absolute().parents:
-            raise InputError("expected a folder beside the recordings, got one in them", path=out)
+    if out is None or recorded is None:
+        return
+    if recorded.absolute() in out.absolute().parents:
+        raise InputError("expected a folder beside the recordings, got one in them", path=out)

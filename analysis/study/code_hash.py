@@ -2,7 +2,9 @@
 
 import hashlib
 import inspect
+from collections.abc import Sequence
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 from ...base.content_hash import SIZE_BYTES, content_hash
@@ -13,14 +15,33 @@ _ROOMS = ("base", "models", "traces", "policies", "sim", "analysis/metrics", "an
 """What decides the numbers of a run; pages, gates and commands do not."""
 
 
+_RUN_LIBRARIES = ("numpy", "scipy", "casadi")
+"""What computes those numbers beside Python; another version may do it otherwise."""
+_PAGE_LIBRARIES = ("plotly", "pyarrow", "jinja2")
+
+
 @cache
 def code_hash() -> str:
     """Return the hash of the sources that decide what a run results in."""
+    return _hash_sources(_ROOMS, "*.py", _RUN_LIBRARIES)
+
+
+@cache
+def package_hash() -> str:
+    """Return the hash of all sources: of what makes answers and pages of results, too."""
+    rooms = ("base", "models", "traces", "policies", "sim", "render", "analysis")
+    return _hash_sources(rooms, "*.*", (*_RUN_LIBRARIES, *_PAGE_LIBRARIES))
+
+
+def _hash_sources(rooms: Sequence[str], pattern: str, libraries: Sequence[str]) -> str:
     digest = hashlib.blake2b(digest_size=SIZE_BYTES)
-    for room in _ROOMS:
-        for path in sorted((_ROOT / room).rglob("*.py")):
-            digest.update(str(path.relative_to(_ROOT)).encode())
-            digest.update(path.read_bytes())
+    for name in libraries:
+        digest.update(f"{name} {version(name)}\n".encode())
+    for room in rooms:
+        for path in sorted((_ROOT / room).rglob(pattern)):
+            if path.suffix != ".pyc":
+                digest.update(str(path.relative_to(_ROOT)).encode())
+                digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
@@ -31,7 +52,7 @@ def policy_hash(spec: PolicySpec) -> str:
     typed into a prompt, or of an object that holds a function.
     """
     cls = spec.cls
-    made = None if spec.made is None else vars(spec.made)
+    made = None if spec.made is None else spec.made.__getstate__()
     named = (cls.__module__, cls.__qualname__, spec.label)
     return content_hash(*named, _source(cls), spec.params, made)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
@@ -15,8 +16,11 @@ from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
-from .runs import Progress, Runs, choose_draws, run_policies
+from .runs import Progress, Runs, carry_out, choose_draws, plan_runs
 from .score import World
+
+if TYPE_CHECKING:
+    from .comparison_target import ComparisonTarget
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,10 +58,17 @@ def compare(
     options: CompareOptions | None = None,
     *,
     progress: Progress | None = None,
+    target: "ComparisonTarget | None" = None,
 ) -> tuple[Comparison, dict[str, FrameLog]]:
     """Replay and score policies; return the comparison, and each frame log by label.
 
     A policy that breaks its contract is reported as failed, and the others are finished.
+
+    Parameters
+    ----------
+    target
+        Where the comparison is to be written.  Runs are kept beside it as they are done; if it
+        holds this very comparison, that is returned.
 
     Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
     be warm-up.
@@ -67,8 +78,10 @@ def compare(
     draws = choose_draws(hardware, options.draws)
     each = -(-options.resamples // max(len(draws), 1))
     resamples = (0 if draws else each, each)
-    seeds = [replay_options.seed]
-    runs = run_policies(policies, world, seeds, draws, resamples, options.workers, progress)
+    plan = plan_runs(policies, world, [replay_options.seed], draws, resamples)
+    if target is not None and (earlier := target.begin(plan)) is not None:
+        return earlier
+    runs = carry_out(plan, options.workers, progress, None if target is None else target.work)
     pools = {
         label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
         for label, run in runs.items()

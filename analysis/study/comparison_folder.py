@@ -1,10 +1,13 @@
 """The folder that a comparison is written to: all of it, or nothing."""
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
+from ...base.content_hash import hash_bytes
 from ...base.errors import InputError
-from ...base.strict_json import encode_record
+from ...base.strict_json import encode_record, read_json
 from ...base.whole_file import write_whole
 from ...base.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log import FrameLog
@@ -12,13 +15,37 @@ from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
 from .comparison import Comparison, read_comparison
 
-_REPORT, _COMPARISON, _FRAMES = "report.html", "comparison.json", "frames"
-_OURS = r"report\.html|comparison\.json|frames(/.*\.parquet)?"
+if TYPE_CHECKING:
+    from .results.run_info import Stopwatch
+
+_REPORT, _COMPARISON, _FRAMES, _STUDY = "report.html", "comparison.json", "frames", "study.json"
+_INFO = "run-info.json"
+_STUDY_SCHEMA = "lodbench.comparison-folder/1"
+
+OURS = r"report\.html|comparison\.json|study\.json|run-info\.json|frames(/.*\.parquet)?"
+"""The names in such a folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """What a folder is the result of, and what it holds for that: ``study.json``.
+
+    Attributes
+    ----------
+    study : str
+        Hash of all runs and of the code.
+    files : dict of str to str
+        Hash of each file by its name in the folder, but for this one and ``run-info.json``.
+    """
+
+    study: str
+    files: dict[str, str]
+    schema: Literal["lodbench.comparison-folder/1"] = _STUDY_SCHEMA
 
 
 def check_target(folder: Path) -> None:
     """Raise InputError unless a folder can be made, or holds nothing but an earlier comparison."""
-    require_replaceable(folder, _OURS, "compare", make_parents=True)
+    require_replaceable(folder, OURS, "compare", make_parents=True)
 
 
 def frame_log_names(labels: list[str]) -> dict[str, str]:
@@ -35,8 +62,22 @@ def frame_log_names(labels: list[str]) -> dict[str, str]:
     return names
 
 
-def write_results(folder: Path, comparison: Comparison, logs: dict[str, FrameLog]) -> None:
+def write_results(
+    folder: Path,
+    comparison: Comparison,
+    logs: dict[str, FrameLog],
+    *,
+    study: str | None = None,
+    watch: "Stopwatch | None" = None,
+) -> None:
     """Write report, comparison and frame logs to a temporary folder, then put it in place.
+
+    Parameters
+    ----------
+    study
+        Hash by which `holds_study` is to know it.
+    watch
+        What the study took, for ``run-info.json``.
 
     Raises
     ------
@@ -51,6 +92,30 @@ def write_results(folder: Path, comparison: Comparison, logs: dict[str, FrameLog
             write_frame_log(partial / _FRAMES / name, logs[label])
         (partial / _COMPARISON).write_bytes(encode_record(comparison))
         (partial / _REPORT).write_text(render_report(comparison, logs), encoding="utf-8")
+        if study is not None:
+            (partial / _STUDY).write_bytes(encode_record(Study(study, _hash_files(partial))))
+        if watch is not None:
+            watch.write(partial)
+
+
+def holds_study(folder: Path, study: str) -> bool:
+    """Whether a folder holds all that `write_results` wrote of a study, and nothing else."""
+    try:
+        written = read_json(folder / _STUDY, Study, _STUDY_SCHEMA, "")
+        return written.study == study and written.files == _hash_files(folder)
+    except (InputError, OSError):  # it holds none, or what cannot be read
+        return False
+
+
+def _hash_files(folder: Path) -> dict[str, str]:
+    """Return the hash of each file by its name, in order."""
+    paths = sorted(path for path in folder.rglob("*") if not path.is_dir())
+    names = [path.relative_to(folder).as_posix() for path in paths]
+    return {
+        name: hash_bytes(path.read_bytes())
+        for name, path in zip(names, paths, strict=True)
+        if name not in {_STUDY, _INFO}
+    }
 
 
 def read_results(folder: Path) -> tuple[Comparison, dict[str, FrameLog]]:

@@ -6,6 +6,7 @@ results that are years old.
 
 import hashlib
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ...base.content_hash import SIZE_BYTES
 from ...policies.policy_spec import PolicySpec
@@ -45,6 +46,8 @@ class Run:
     stream: int = 0
     resamples: int = 0
     keeps_log: bool = False
+
+    result_type: ClassVar[type] = Scored
 
     @property
     def owner(self) -> str:

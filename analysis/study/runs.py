@@ -1,7 +1,8 @@
 """The replays of policies in one world: over seeds, and over draws of the cost model."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,8 +15,27 @@ from .engine.task import Failure
 from .run import Run
 from .score import Scored, World
 
+if TYPE_CHECKING:  # it needs Arrow, which a study without a folder does not
+    from .results.work_folder import WorkFolder
+
 Progress = Callable[[int, int], None]
 """Called with the replays done and the replays in all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The runs of policies in one world.
+
+    Attributes
+    ----------
+    inputs : dict of str to object
+        What they share, by content hash.
+    runs : tuple of Run
+        By policy, then by draw, the mean first, then by seed.
+    """
+
+    inputs: Mapping[str, Any]
+    runs: tuple[Run, ...]
 
 
 @dataclass(slots=True)
@@ -53,10 +73,24 @@ def run_policies(
     workers: int,
     progress: Progress | None = None,
 ) -> dict[str, Runs]:
-    """Replay every policy, and return what became of each, by label.
+    """Replay every policy, and return what became of each, by label (see `plan_runs`).
 
-    Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
-    be warm-up.
+    Raises `InputError` as `plan_runs`, or if the parameters of a policy are refused.
+    """
+    plan = plan_runs(policies, world, seeds, draws, resamples)
+    return carry_out(plan, workers, progress)
+
+
+def plan_runs(
+    policies: Sequence[PolicySpec],
+    world: World,
+    seeds: Sequence[int],
+    draws: Sequence[int],
+    resamples: tuple[int, int],
+) -> Plan:
+    """List the replays of every policy.
+
+    Raises `InputError` if a policy is given twice, or all frames would be warm-up.
 
     Parameters
     ----------
@@ -68,7 +102,7 @@ def run_policies(
     inputs = {content_hash(value): value for value in (world.scene, world.trace, world.hardware)}
     scene, trace, hardware = inputs
     plans = [(None, 0, resamples[0]), *((draw, at, resamples[1]) for at, draw in enumerate(draws))]
-    runs = [
+    runs = tuple(
         Run(
             policy,
             scene,
@@ -83,38 +117,50 @@ def run_policies(
         for policy in policies
         for draw, stream, count in plans
         for seed in seeds
-    ]
-    scored: dict[int, Scored] = {}
-    failed: dict[int, Failure] = {}
-    with LocalEngine(inputs, workers) as engine:
-        for done, outcome in enumerate(engine.run(runs), 1):
-            if outcome.failure is None:
-                scored[outcome.index] = outcome.result
-            else:
-                failed[outcome.index] = outcome.failure
-            if progress is not None:
-                progress(done, len(runs))
-    return _by_policy(policies, runs, scored, failed)
+    )
+    return Plan(inputs, runs)
 
 
-def _by_policy(
-    policies: Sequence[PolicySpec],
-    runs: Sequence[Run],
-    scored: dict[int, Scored],
-    failed: dict[int, Failure],
+def carry_out(
+    plan: Plan, workers: int, progress: Progress | None = None, work: "WorkFolder | None" = None
 ) -> dict[str, Runs]:
-    """Return runs in their order, whatever the order in which they were finished."""
-    found = {policy.label: Runs() for policy in policies}
-    for index in sorted(scored):
-        run, mine = runs[index], found[runs[index].owner]
-        if run.options.draw is None:
-            mine.means.append(scored[index])
-        else:
+    """Carry out runs, or what is missing of them, and return what became of each policy, by label.
+
+    Raises `InputError` if the parameters of a policy are refused.
+
+    Parameters
+    ----------
+    work
+        Where results are kept as they come, and where earlier ones are.
+    """
+    results = {} if work is None else dict(work.results)
+    missing = range(len(plan.runs)) if work is None else work.missing
+    with LocalEngine(plan.inputs, workers) as engine:
+        for outcome in engine.run([plan.runs[at] for at in missing]):
+            at = missing[outcome.index]
+            results[at] = outcome.failure or outcome.result
+            if work is not None:
+                work.add(at, outcome)
+            if progress is not None:
+                progress(len(results) if work is None else work.durable, len(plan.runs))
+    if work is not None:
+        work.flush()
+    return _by_policy(plan.runs, results)
+
+
+def _by_policy(runs: Sequence[Run], results: Mapping[int, Scored | Failure]) -> dict[str, Runs]:
+    """Return results in the order of their runs, whatever the order in which they were finished."""
+    found = {run.owner: Runs() for run in runs}
+    for at, run in enumerate(runs):
+        result, mine = results.get(at), found[run.owner]
+        if isinstance(result, Failure):
+            mine.failure = mine.failure or _with_draw(result, run.options.draw)
+        elif result is not None and run.options.draw is None:
+            mine.means.append(result)
+        elif result is not None:
             while len(mine.drawn) <= run.stream:
                 mine.drawn.append([])
-            mine.drawn[run.stream].append(scored[index])
-    for index in sorted(failed, reverse=True):
-        found[runs[index].owner].failure = _with_draw(failed[index], runs[index].options.draw)
+            mine.drawn[run.stream].append(result)
     return found
 
 

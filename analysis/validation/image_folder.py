@@ -4,7 +4,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...base.whole_folder import require_replaceable, whole_folder
+from ...base.whole_folder import claimed_folder, whole_folder
 from ...render.gl.image_comparison import PictureFolder, require_images
 from .recordings import Recorded
 
@@ -40,6 +40,5 @@ def image_folder(path: Path | None, every: int) -> Generator[ImageFolder | None]
         yield None
         return
     require_images()
-    require_replaceable(path, _OURS, "record")
-    with whole_folder(path) as partial:
+    with claimed_folder(path, _OURS, "record"), whole_folder(path) as partial:
         yield ImageFolder(partial, every)

@@ -1,14 +1,15 @@
 """The folder of a validation: what was recorded, what was simulated, and how they agree."""
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...base.strict_json import encode_record
-from ...base.whole_folder import require_replaceable, whole_folder
+from ...base.whole_folder import claimed_folder, require_replaceable, whole_folder
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ...traces.logs.log_writer import header_text, write_log
 from ...traces.logs.read_log import read_render_log
@@ -24,10 +25,23 @@ _OURS = r"validation\.json|report\.html|(measured|render|simulated)(/.*)?"
 _AGAIN = "again-"
 
 
-def check_folder(folder: Path) -> None:
-    """Raise InputError unless a folder is new, or holds nothing but an earlier validation."""
+@contextmanager
+def claimed_validation(folder: Path | None) -> Generator[None]:
+    """Hold a folder, if one is given, from before the work until `write_validation` has written.
+
+    Raises `InputError` unless the folder is new, or holds nothing but an earlier validation, or if
+    another process writes to it.
+    """
+    if folder is None:
+        yield
+        return
+    with claimed_folder(folder, _ours(folder), "validate"):
+        yield
+
+
+def _ours(folder: Path) -> str:
     # Without a result the folders may be somebody's: their names are common words.
-    require_replaceable(folder, _OURS if (folder / _RESULT).exists() else "", "validate")
+    return _OURS if (folder / _RESULT).exists() else ""
 
 
 def write_validation(
@@ -46,9 +60,9 @@ def write_validation(
     Raises
     ------
     InputError
-        As `check_folder`.
+        As `claimed_validation`.
     """
-    check_folder(folder)
+    require_replaceable(folder, _ours(folder), "validate")
     with whole_folder(folder) as partial:
         (partial / _SIMULATED).mkdir()
         names = frame_log_names(list(pairs))

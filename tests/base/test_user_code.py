@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.user_code import load_object, pickle_for_worker
+from lodbench.base.portable_pickle import portable_pickle
+from lodbench.base.user_code import load_object
 
 
 def mine_of(path: Path, value: int) -> Any:
@@ -39,7 +40,7 @@ def test_an_edited_file_is_loaded_anew(tmp_path: Path) -> None:
 def test_another_process_finds_the_file(tmp_path: Path) -> None:
     """An object pickled for a worker is unpickled where its file was never loaded."""
     mine = mine_of(tmp_path / "mine.py", 7)
-    data = pickle_for_worker((mine(), mine.Inner))
+    data = portable_pickle((mine(), mine.Inner))
     script = "import pickle, sys; a, b = pickle.load(sys.stdin.buffer); print(a.value, b.__name__)"
     run = subprocess.run([sys.executable, "-c", script], input=data, capture_output=True)
     assert run.stdout.split() == [b"7", b"Inner"], run.stderr

@@ -8,11 +8,22 @@ from pathlib import Path
 
 import pytest
 
+from lodbench.base import whole_folder as module
 from lodbench.base.errors import InputError
 from lodbench.base.whole_file import write_whole
-from lodbench.base.whole_folder import require_replaceable, whole_folder
+from lodbench.base.whole_folder import claimed_folder, require_replaceable, whole_folder
 
 OURS = r"table\.csv|frames(/.*\.png)?"
+
+
+@pytest.fixture
+def no_exchange(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave two renames as the only way, as on a file system that exchanges nothing."""
+
+    def refuse(*_: Path) -> bool:
+        return False
+
+    monkeypatch.setattr(module, "exchange", refuse)
 
 
 def fill(folder: Path, name: str) -> None:
@@ -41,6 +52,17 @@ def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
     assert [path.name for path in folder.iterdir()] == ["first"]
 
 
+@pytest.mark.usefixtures("no_exchange")
+def test_without_an_exchange_two_renames_do(tmp_path: Path) -> None:
+    """The old folder is moved away and the new one in, and nothing is left."""
+    folder = tmp_path / "run"
+    for name in ("first", "second"):
+        fill(folder, name)
+    assert [path.name for path in folder.iterdir()] == ["second"]
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.usefixtures("no_exchange")
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
 def test_an_interrupted_exchange_brings_the_folder_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, interruption: type[BaseException]
@@ -69,14 +91,15 @@ def test_the_next_write_brings_back_what_a_killed_run_moved_away(tmp_path: Path)
     code = (
         "import os, signal, sys\n"
         "from pathlib import Path\n"
-        "from lodbench.base.whole_folder import whole_folder\n"
+        "from lodbench.base import whole_folder\n"
         "rename = Path.rename\n"
         "def kill(self, target):\n"
         "    if self.name == 'new':\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
         "    return rename(self, target)\n"
         "Path.rename = kill\n"
-        "with whole_folder(Path(sys.argv[1])):\n"
+        "whole_folder.exchange = lambda *_: False\n"
+        "with whole_folder.whole_folder(Path(sys.argv[1])):\n"
         "    pass\n"
     )
     killed = subprocess.run([sys.executable, "-c", code, str(folder)], check=False).returncode
@@ -87,10 +110,34 @@ def test_the_next_write_brings_back_what_a_killed_run_moved_away(tmp_path: Path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "run"]
 
 
-def test_of_two_writers_the_last_wins_whole(
+def test_a_second_writer_is_refused_before_its_work(tmp_path: Path) -> None:
+    """From the check on the folder is held, so that neither of two runs is lost."""
+    folder = tmp_path / "run"
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from lodbench.base.errors import InputError\n"
+        "from lodbench.base.whole_folder import claimed_folder\n"
+        "try:\n"
+        "    with claimed_folder(Path(sys.argv[1]), 'first', 'record'):\n"
+        "        print('begins its work')\n"
+        "except InputError as error:\n"
+        "    print(error)\n"
+    )
+    command = [sys.executable, "-c", code, str(folder)]
+    with claimed_folder(folder, "first", "record"):
+        second = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        fill(folder, "first")
+    assert "expected a folder that nobody writes to, got one that process" in second
+    assert [path.name for path in folder.iterdir()] == ["first"]
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.usefixtures("no_exchange")
+def test_without_locks_the_last_of_two_writers_wins_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A folder that another writer puts in place in the midst of the exchange is replaced too."""
+    """A folder that another writer puts in place between the two renames is replaced too."""
     folder = tmp_path / "run"
     fill(folder, "first")
     rename = Path.rename
@@ -98,7 +145,7 @@ def test_of_two_writers_the_last_wins_whole(
     def write_between(self: Path, target: Path) -> Path:
         if self.name == "new":
             monkeypatch.setattr(Path, "rename", rename)
-            fill(folder, "second")
+            fill(folder, "second")  # within the lock of the third
         return rename(self, target)
 
     monkeypatch.setattr(Path, "rename", write_between)

@@ -58,7 +58,13 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
     policies = ["--policy", f"{mine}:Broken", "--policy", "full"]
     assert run([*SHORT, *policies, "--out", str(out)]) == 1
     assert "Broken: frame 40: detail" in " ".join(capsys.readouterr().out.split())
-    assert {path.name for path in out.iterdir()} == {"report.html", "comparison.json", "frames"}
+    assert {path.name for path in out.iterdir()} == {
+        "report.html",
+        "comparison.json",
+        "frames",
+        "study.json",
+        "run-info.json",
+    }
     assert [path.name for path in (out / "frames").iterdir()] == ["full.parquet"]
 
 

@@ -23,6 +23,15 @@ class Task(Protocol):
         """Who is to blame for a failure: tasks of two owners never share a process."""
         ...
 
+    @property
+    def result_type(self) -> Any:
+        """The type of the result, as msgspec decodes it: numbers, text, arrays, records of these.
+
+        Results come from processes that ran a user's code.  They travel as data and are held
+        against this type; what does not fit it is a failure.
+        """
+        ...
+
     def __call__(self, inputs: Inputs, beat: Beat) -> Any:
         """Return the result.
 

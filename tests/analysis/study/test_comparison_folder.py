@@ -7,6 +7,7 @@ import pytest
 from lodbench.analysis.study import comparison_folder as output
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison
+from lodbench.base import whole_folder
 from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
@@ -113,16 +114,20 @@ def test_interrupted_write_leaves_nothing(
 def test_failed_rename_brings_the_earlier_results_back(
     results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """If the new folder cannot be put in place, the old one is."""
+    """Without an exchange, if the new folder cannot be put in place, the old one is."""
     folder = tmp_path / "run"
     output.write_results(folder, *results)
     rename = Path.rename
+
+    def refuse(*_: Path) -> bool:
+        return False
 
     def fail_for_new(self: Path, target: Path) -> Path:
         if self.name == "new":
             raise PermissionError(13, "no", str(target))
         return rename(self, target)
 
+    monkeypatch.setattr(whole_folder, "exchange", refuse)
     monkeypatch.setattr(Path, "rename", fail_for_new)
     with pytest.raises(PermissionError):
         output.write_results(folder, *results)

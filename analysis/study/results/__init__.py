@@ -1,0 +1,1 @@
+"""Results that outlive the process: what was run, and what became of it."""

@@ -1,0 +1,231 @@
+"""The one record of results: a row of a table for each run, and back again to the bit.
+
+Columns are the run's own (`COLUMNS`), then the axes of its study, then each metric by its id, then
+the metrics' resamples as ``ID_resampled``, and the answers to load steps.  No column has a time of
+day, or the time that anything took.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from numbers import Integral, Real
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import msgspec
+import numpy as np
+import pyarrow as pa
+
+from ...metrics.metric_registry import METRICS
+from ...metrics.steps import Step
+from ..engine.task import Failure
+from ..score import Scored
+
+if TYPE_CHECKING:
+    from .run_list import RunList
+
+SCHEMA = "lodbench.study/1"
+
+AxisValue: TypeAlias = str | float | int | bool | None
+
+COLUMNS: dict[str, pa.DataType] = {
+    "digest": pa.string(),  # content hash of the run, which tells it from every other
+    "policy": pa.string(),  # its label
+    "policy_name": pa.string(),
+    "params": pa.string(),  # those that differ from their defaults, as JSON
+    "scene": pa.string(),
+    "scene_hash": pa.string(),
+    "trace": pa.string(),
+    "trace_hash": pa.string(),
+    "hardware": pa.string(),
+    "hardware_hash": pa.string(),
+    "budget_ms": pa.float64(),
+    "seed": pa.int64(),  # null where it has more than 63 bits; the options have it too
+    "draw": pa.int64(),  # null for the profile's mean
+    "options": pa.string(),  # all of the replay's and the scoring's, as JSON
+    "status": pa.string(),  # ok, failed or not-applicable
+    "reason": pa.string(),  # null where it is ok
+    "frame": pa.int64(),  # in which it failed; null before the first, and where it is ok
+    "frames": pa.int64(),  # replayed, warm-up included; null unless it is ok
+    "log_hash": pa.string(),  # of the file of its frame log; null where none is kept
+}
+"""What every row has, by name."""
+
+RESAMPLED = "_resampled"
+_STEPS = "steps"
+_STEP = pa.struct(
+    [
+        ("frame", pa.int64()),
+        ("time_ms", pa.float64()),
+        ("load_before_ms", pa.float64()),
+        ("load_after_ms", pa.float64()),
+        ("settle_ms", pa.float64()),
+        ("settled", pa.bool_()),
+        ("overshoot_ratio", pa.float64()),
+    ]
+)
+_IDS = tuple(metric.id for metric in METRICS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """What became of one run.
+
+    Attributes
+    ----------
+    at : int
+        The run's position in its study.
+    result : Scored or Failure
+        A frame log that the scores have is kept elsewhere, see `log_hash`.
+    log_hash : str or None
+        Of the file of the frame log.
+    """
+
+    at: int
+    result: Scored | Failure
+    log_hash: str | None = None
+
+
+def schema_of(axes: Mapping[str, Sequence[AxisValue]]) -> pa.Schema:
+    """Return the columns of a study's results; raises ValueError if an axis has another's name."""
+    fields = [pa.field(name, kind) for name, kind in COLUMNS.items()]
+    fields += [pa.field(name, _kind_of(values)) for name, values in axes.items()]
+    fields += [pa.field(name, pa.float64()) for name in _IDS]
+    fields += [pa.field(name + RESAMPLED, pa.list_(pa.float64())) for name in _IDS]
+    fields.append(pa.field(_STEPS, pa.list_(_STEP)))
+    names = [item.name for item in fields]
+    taken = next((name for name in axes if names.count(name) > 1), None)
+    if taken is not None:
+        raise ValueError(f"axis {taken}: results have a column of that name")
+    return pa.schema(fields, metadata={"schema": SCHEMA})
+
+
+def encode(runs: "RunList", entries: Sequence[Entry]) -> pa.Table:
+    """Return a row for each entry, in the order given."""
+    schema = schema_of(runs.axes)
+    columns = _about(runs, entries)
+    for name, values in runs.axes.items():
+        kind = _kind_of(values)
+        columns[name] = [_as_kind(values[entry.at], kind) for entry in entries]
+    scored = [entry.result if isinstance(entry.result, Scored) else None for entry in entries]
+    for name in _IDS:
+        columns[name] = [None if one is None else one.values.get(name) for one in scored]
+        columns[name + RESAMPLED] = [
+            None if one is None else one.resampled.get(name) for one in scored
+        ]
+    columns[_STEPS] = [
+        None if one is None else [asdict(step) for step in one.steps] for one in scored
+    ]
+    return pa.Table.from_pydict(columns, schema=schema)
+
+
+def decode(table: pa.Table) -> Iterator[tuple[str, Scored | Failure]]:
+    """Yield of each row the digest of its run and what became of it, bit for bit.
+
+    Scores come without their frame log.
+    """
+    columns: dict[str, list[Any]] = {
+        name: table.column(name).to_pylist()
+        for name in ("digest", "status", "reason", "frame", "frames", _STEPS, *_IDS)
+    }
+    resampled = {name: _ListColumn(table.column(name + RESAMPLED)) for name in _IDS}
+    for row, digest in enumerate(columns["digest"]):
+        status = columns["status"][row]
+        if status != "ok":
+            yield digest, Failure(status, columns["reason"][row], columns["frame"][row])
+            continue
+        lists = {name: column[row] for name, column in resampled.items()}
+        yield (
+            digest,
+            Scored(
+                log=None,
+                values={name: columns[name][row] for name in _IDS},
+                resampled={name: values for name, values in lists.items() if values is not None},
+                steps=tuple(Step(**step) for step in columns[_STEPS][row]),
+                frames=columns["frames"][row],
+            ),
+        )
+
+
+class _ListColumn:
+    """A column of lists of numbers, of which each is an array of its own."""
+
+    def __init__(self, column: Any) -> None:
+        lists = column.combine_chunks()
+        self._values = lists.values.to_numpy(zero_copy_only=False)
+        self._offsets = lists.offsets.to_numpy()
+        self._known = lists.is_valid().to_numpy(zero_copy_only=False)
+
+    def __getitem__(self, row: int) -> Any:
+        if not self._known[row]:
+            return None
+        return np.array(self._values[self._offsets[row] : self._offsets[row + 1]])
+
+
+def _about(runs: "RunList", entries: Sequence[Entry]) -> dict[str, list[Any]]:
+    """Return the values of `COLUMNS`."""
+    which = [runs.runs[entry.at] for entry in entries]
+    results = [entry.result for entry in entries]
+    failures = [result if isinstance(result, Failure) else None for result in results]
+    columns: dict[str, list[Any]] = {
+        name: list(map(attrgetter(path), which)) for name, path in _OF_RUN.items()
+    }
+    for name in ("scene", "trace", "hardware"):
+        columns[name] = [runs.names[digest] for digest in columns[f"{name}_hash"]]
+    columns["digest"] = [runs.digests[entry.at] for entry in entries]
+    columns["params"] = [_json(run.policy.params) for run in which]
+    columns["options"] = [_options(run) for run in which]
+    columns["seed"] = [seed if seed < 1 << 63 else None for seed in columns["seed"]]
+    columns["status"] = ["ok" if one is None else one.kind for one in failures]
+    columns["reason"] = [None if one is None else one.reason for one in failures]
+    columns["frame"] = [None if one is None else one.frame for one in failures]
+    columns["frames"] = [
+        result.frames if isinstance(result, Scored) else None for result in results
+    ]
+    columns["log_hash"] = [entry.log_hash for entry in entries]
+    return columns
+
+
+_OF_RUN = {
+    "policy": "policy.label",
+    "policy_name": "policy.name",
+    "scene_hash": "scene",
+    "trace_hash": "trace",
+    "hardware_hash": "hardware",
+    "budget_ms": "options.budget_ms",
+    "seed": "options.seed",
+    "draw": "options.draw",
+}
+"""Columns that are attributes of the run."""
+
+
+def _options(run: Any) -> str:
+    scoring = {name: getattr(run, name) for name in ("warmup", "stream", "resamples")}
+    return _json(asdict(run.options) | scoring)
+
+
+def _json(value: object) -> str:
+    """Return JSON of plain values; of others what they show themselves as."""
+    # Not msgspec's, which refuses whole numbers of more than 64 bits, as a seed may be.
+    plain = msgspec.to_builtins(value, enc_hook=repr)
+    return json.dumps(plain, separators=(",", ":"), ensure_ascii=False)
+
+
+def _kind_of(values: Sequence[AxisValue]) -> pa.DataType:
+    """Return the type of an axis; values of several kinds are texts."""
+    known: list[Any] = [value for value in values if value is not None]
+    if known and all(isinstance(value, bool) for value in known):
+        return pa.bool_()
+    if not known or any(isinstance(value, bool) or not isinstance(value, Real) for value in known):
+        return pa.string()
+    if all(isinstance(value, Integral) and abs(int(value)) < 1 << 63 for value in known):
+        return pa.int64()
+    return pa.float64()
+
+
+def _as_kind(value: AxisValue, kind: pa.DataType) -> AxisValue:
+    if value is None:
+        return None
+    if kind == pa.float64():
+        return float(value)
+    return str(value) if kind == pa.string() else value

@@ -1,0 +1,180 @@
+"""A study in a process of its own, to be killed: ``kill_program.py KIND FOLDER [STEP]``.
+
+Its file-system steps are counted, and it kills itself before one of them if that is asked for.  It
+prints a line of JSON at its begin, after each result, and at its end.
+"""
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import lodbench
+from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.results import commit, parts, store
+from lodbench.analysis.study.results.run_list import RunList
+from lodbench.analysis.study.run import Run
+from lodbench.base import whole_folder
+from lodbench.base.content_hash import content_hash
+from lodbench.base.folder_lock import locked
+from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from lodbench.models.machine.cost import CostModel, CpuCostModel
+from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance
+from lodbench.models.machine.residual import Residual
+from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.scene import ObjectTypes, Scene
+from lodbench.policies.registry import parse_policy
+from lodbench.sim.replay import ReplayOptions
+from lodbench.traces.cameras.camera_trace import CameraTrace
+
+POLICIES = ("full", "static-screen", "feedback")
+STEPS = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link"}
+WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
+
+
+class Steps:
+    """Counts what the process does to the files of a folder, and kills it before one of them."""
+
+    def __init__(self, folder: Path, last: int | None) -> None:
+        self.count, self._last = 0, last
+        self._inside = os.fsencode(folder)
+        fsync, exchange = os.fsync, whole_folder.exchange
+
+        def counted_fsync(handle: int) -> None:
+            self.step()
+            fsync(handle)
+
+        def counted_exchange(first: Path, second: Path) -> bool:
+            self.step()
+            done = exchange(first, second)
+            self.step()
+            return done
+
+        os.fsync, whole_folder.exchange = counted_fsync, counted_exchange
+        sys.addaudithook(self.hear)
+
+    def hear(self, event: str, args: tuple[Any, ...]) -> None:
+        """Count an event of the interpreter that changes a file or a name in the folder."""
+        changes = event in STEPS or (event == "open" and (args[2] or 0) & WRITES)
+        if changes and isinstance(args[0], (str, bytes, Path)):
+            self.step(os.fsencode(args[0]))
+
+    def step(self, path: bytes | None = None) -> None:
+        """Count a step; the last one is not done."""
+        if path is None or path.startswith(self._inside):
+            if self.count == self._last:
+                os.kill(os.getpid(), signal.SIGKILL)
+            self.count += 1
+
+
+def say(**line: object) -> None:
+    """Print a line that no buffer holds back."""
+    os.write(1, json.dumps(line).encode() + b"\n")
+
+
+def build_world() -> tuple[Scene, CameraTrace, HardwareProfile]:
+    """Return twelve objects, a look at them for two seconds, and a machine with two draws."""
+    counts = np.zeros((3, len(LEVEL_PREDICTORS)))
+    counts[:, LEVEL_PREDICTORS.index("triangles")] = (2000, 500, 100)
+    levels = LevelTable(
+        np.array([0, 3]), counts, np.array([0.0, 0.02, 0.1]), counts.sum(axis=1), np.array([False])
+    )
+    types = ObjectTypes(("block",), np.zeros((1, 3)), np.array([1.0]), levels)
+    n = 12
+    scene = Scene(
+        "twelve",
+        types,
+        np.zeros(n, dtype=np.int32),
+        np.column_stack((np.zeros(n), np.zeros(n), np.linspace(-40.0, -5.0, n))),
+        np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
+        np.ones(n),
+        np.ones(n),
+        np.full(n, -1, dtype=np.int32),
+        np.zeros(n, dtype=np.bool_),
+    )
+    look = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    trace = CameraTrace(
+        "look", np.array([0.0, 2.0]), np.zeros((2, 3)), look, np.zeros(2, dtype=np.bool_)
+    )
+    linear = np.zeros((2, len(GPU_PREDICTORS)))
+    linear[:, GPU_PREDICTORS.index("triangles")] = (1e-3, 1.2e-3)
+    hardware = HardwareProfile(
+        "machine",
+        Provenance("made up for tests", assumed=True),
+        CostModel.of(1.0, {"triangles": 1e-3}),
+        CpuCostModel.of(2.0, {}),
+        Residual("gaussian", 0.02),
+        posterior=Posterior(np.ones(2), linear, np.full(2, 0.02)),
+    )
+    return scene, trace, hardware
+
+
+def compare(folder: Path) -> None:
+    """Compare three policies under three machines: nine runs, then report and frame logs."""
+    scene, trace, hardware = build_world()
+    lodbench.compare(
+        list(POLICIES),
+        scene=scene,
+        traces=trace,
+        hardware=hardware,
+        budget_ms=8.0,
+        frames=60,
+        draws=2,
+        resamples=10,
+        workers=2,
+        out=folder / "run",
+        progress=lambda done, total: say(done=done, of=total),
+    )
+
+
+def study(folder: Path) -> None:
+    """Carry out 36 runs, with small groups and parts, so that files are merged and split."""
+    commit.GROUP, commit.HOLD_S, parts.FAN, store.ROWS = 3, 0.02, 3, 10
+    world = build_world()
+    inputs = {content_hash(value): value for value in world}
+    scene, trace, hardware = inputs
+    runs = RunList(
+        tuple(
+            Run(
+                parse_policy(policy),
+                scene,
+                trace,
+                hardware,
+                ReplayOptions(budget_ms=8.0, seed=seed),
+                warmup=10,
+            )
+            for seed in range(12)
+            for policy in POLICIES
+        ),
+        {digest: value.name for digest, value in inputs.items()},
+    )
+    target = folder / "run"
+    target.parent.mkdir(exist_ok=True)
+    with locked(target), store.ResultStore.open(target, runs) as results:
+        missing = results.missing
+        with LocalEngine(inputs, 2) as engine:
+            for outcome in engine.run([runs.runs[at] for at in missing], stop=False):
+                results.add(missing[outcome.index], outcome)
+                say(done=results.durable, of=len(runs))
+        results.finish()
+
+
+KINDS: dict[str, Callable[[Path], None]] = {"compare": compare, "study": study}
+
+
+def main() -> None:
+    """Carry out a study, and say how many steps it took."""
+    folder = Path(sys.argv[2]).resolve()
+    steps = Steps(folder, int(sys.argv[3]) if len(sys.argv) > 3 else None)
+    say(begin=True)
+    KINDS[sys.argv[1]](folder)
+    say(steps=steps.count)
+
+
+if __name__ == "__main__":
+    main()
