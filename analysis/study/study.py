@@ -4,10 +4,10 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...base.content_hash import content_hash
-from ...base.errors import require_whole
+from ...base.errors import InputError, require_whole
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import PolicyLikes, default_policies, specs_of, vary_policy
 from ...sim.faults import Faults
@@ -26,12 +26,22 @@ from .axes.conditions import (
 from .axes.grid import Axis, Cell, Exclusions, Grid, require_known, require_listable
 from .axes.parameters import Parameters, by_label, column_of, param_axis
 from .axes.study_inputs import StudyInputs
-from .code_hash import code_hash, policy_hash
+from .engine.limits import Limits
+from .engine.open_engine import open_engine
 from .inputs import HardwareLike, SceneLike, TraceLike
+from .results.record import COLUMNS
+from .results.run_list import RunList
 from .run import Run
+from .runs import Progress
 from .score import require_scored_frames
 
+if TYPE_CHECKING:
+    from .sweep.study_results import StudyResults
+
 Exclude: TypeAlias = Sequence[Mapping[str, Cell | Collection[Cell]]]
+
+BASE_POLICY = "base_policy"
+"""Column of results: the policy's label without the parameters that the study varies."""
 
 _ALWAYS = ("policy", "scene", "trace", "hardware", "budget_ms", "draw", "seed")
 
@@ -198,26 +208,69 @@ class Study:
                 require_scored_frames(trace, frames, self._warmup)
         return self._inputs.loaded
 
-    @cached_property
-    def digest(self) -> str:
-        """Content hash of the study: of its inputs, policies, axes and exclusions, and the code.
-
-        Raises TypeError or OSError as `policy_hash` does.
-        """
-        blocks = [
-            (
-                policy_hash(block.spec),
-                block.grid.kept,
-                [(axis.name, axis.cells) for axis in block.grid.axes],
-            )
-            for block in self._blocks
-        ]
-        return content_hash(code_hash(), sorted(self.inputs), self._warmup, blocks)
-
     def runs(self) -> Iterator[Run]:
         """Yield the runs, one policy after the other; raises `InputError` as `inputs`."""
         for case in self.cases():
             yield case.run
+
+    def run_list(self) -> RunList:
+        """Return the runs with their digests and their columns of results.
+
+        Raises `InputError` as `inputs`, if all runs are excluded or two are the same, or if a
+        policy was typed where it has no source to tell it by.
+        """
+        cases = tuple(self.cases())
+        names = ["policy", *(name for name in self.axes if name not in COLUMNS)]
+        columns = {
+            BASE_POLICY if name == "policy" else name: [case.cells.get(name) for case in cases]
+            for name in names
+        }
+        if not cases:
+            raise InputError("study: expected runs, got none but excluded ones; exclude fewer")
+        try:
+            return RunList(tuple(case.run for case in cases), self._inputs.names, columns)
+        except (TypeError, OSError) as error:
+            message = f"policy: expected a class with a source, got none: {error}; put it in a file"
+            raise InputError(message) from error
+
+    def run(
+        self,
+        *,
+        out: str | Path | None = None,
+        workers: int = 0,
+        scheduler: str | None = None,
+        limits: Limits | None = None,
+        overwrite: bool = False,
+        progress: Progress | None = None,
+    ) -> "StudyResults":
+        """Carry out the runs, or what is missing of them, and return what became of each.
+
+        A policy that fails in a run fails in that run alone.
+
+        Raises `InputError` as `run_list`, or if the folder holds something else.
+
+        Parameters
+        ----------
+        out
+            Folder of the results; runs that it holds are not repeated.  None keeps them in memory.
+        workers
+            Processes; 0 for as many as there are processors.
+        scheduler
+            Address of a Dask scheduler in place of this machine.
+        limits
+            What a policy may take.
+        overwrite
+            Whether another study in the folder is replaced.
+        progress
+            Called with the runs done and the runs in all.
+        """
+        from .sweep.carry_out import carry_out, carry_out_in
+
+        runs = self.run_list()
+        engine = open_engine(self.inputs, workers=workers, limits=limits, scheduler=scheduler)
+        if out is None:
+            return carry_out(self.name, runs, engine, progress)
+        return carry_out_in(Path(out), runs, engine, overwrite=overwrite, progress=progress)
 
     def cases(self) -> Iterator[Case]:
         """Yield each run with its place on the axes; raises `InputError` as `inputs`."""

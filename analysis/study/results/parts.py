@@ -62,6 +62,15 @@ def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) ->
     )
 
 
+def column_names(folder: Path, part: Part) -> list[str]:
+    """Return the columns of a part by name; raises `InputError` if it is missing or damaged."""
+    path = folder / PARTS / part.file
+    try:
+        return list(parquet.read_schema(path).names)
+    except (OSError, pa.ArrowException) as error:
+        raise _damaged(path, "no columns") from error
+
+
 def number_of(part: Part) -> int:
     """Return the number in a part's name, -1 if it has none."""
     named = NAME.fullmatch(part.file)
