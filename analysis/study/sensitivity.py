@@ -142,4 +142,5 @@ def _interval(pairs: FloatArray, shares: FloatArray) -> FloatArray:
     # The bootstrap of n values has n - 1 in place of n in its variance, and the tails of a normal
     # distribution where Student's are wider.  With both, 4 to 16 seeds cover as they should.
     student = float(t.ppf(1.0 - tail, seeds - 1)) / float(norm.ppf(1.0 - tail))
-    return shares + (ends - shares) * np.sqrt(seeds / (seeds - 1)) * student
+    ends = shares + (ends - shares) * np.sqrt(seeds / (seeds - 1)) * student
+    return ends.clip(0.0, 1.0)  # where shares lie, though not their estimates

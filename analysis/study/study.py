@@ -1,7 +1,7 @@
 """A study: policies, parameters, scenes, paths, machines and conditions, in every combination."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -213,13 +213,13 @@ class Study:
         for case in self.cases():
             yield case.run
 
-    def run_list(self) -> RunList:
-        """Return the runs with their digests and their columns of results.
+    def run_list(self, cases: Iterable[Case] | None = None) -> RunList:
+        """Return the runs, or some of them, with their digests and their columns of results.
 
         Raises `InputError` as `inputs`, if all runs are excluded or two are the same, or if a
         policy was typed where it has no source to tell it by.
         """
-        cases = tuple(self.cases())
+        cases = tuple(self.cases() if cases is None else cases)
         names = ["policy", *(name for name in self.axes if name not in COLUMNS)]
         columns = {
             BASE_POLICY if name == "policy" else name: [case.cells.get(name) for case in cases]
@@ -276,12 +276,23 @@ class Study:
         """Yield each run with its place on the axes; raises `InputError` as `inputs`."""
         self.inputs  # noqa: B018 - loads what the runs name
         for block in self._blocks:
-            yield from self._cases(block)
+            yield from self._cases(block, block.grid)
 
-    def _cases(self, block: _Block) -> Iterator[Case]:
+    def kinds(self) -> Iterator[tuple[int, Case]]:
+        """Yield for each policy in each scene how many runs it has, and the middle one.
+
+        Raises `InputError` as `inputs`.
+        """
+        self.inputs  # noqa: B018 - loads what the runs name
+        for block in self._blocks:
+            for count, at in block.grid.middles("scene"):
+                (case,) = self._cases(block, [at])
+                yield count, case
+
+    def _cases(self, block: _Block, places: Iterable[tuple[int, ...]]) -> Iterator[Case]:
         axes = [(axis.name, axis.values, axis.cells) for axis in block.grid.axes]
         specs: dict[tuple[Any, ...], PolicySpec] = {}
-        for at in block.grid:
+        for at in places:
             values = {name: known[i] for (name, known, _), i in zip(axes, at, strict=True)}
             cells = {name: known[i] for (name, _, known), i in zip(axes, at, strict=True)}
             machine = (cells["hardware"], *(values[name] for name in MACHINE))

@@ -84,6 +84,17 @@ class Grid:
             chunk = np.unravel_index(kept[start : start + 4096], shape)
             yield from zip(*(positions.tolist() for positions in chunk), strict=True)
 
+    def middles(self, name: str) -> Iterator[tuple[int, tuple[int, ...]]]:
+        """Yield for each value of an axis how many combinations it has, and the middle one."""
+        axis = [other.name for other in self.axes].index(name)
+        for value in range(self.kept.shape[axis]):
+            of_value = np.flatnonzero(np.take(self.kept, [value], axis))
+            if len(of_value):
+                shape = [1 if at == axis else size for at, size in enumerate(self.kept.shape)]
+                middle = list(np.unravel_index(int(of_value[len(of_value) // 2]), shape))
+                middle[axis] = value
+                yield len(of_value), tuple(middle)
+
     def occupied(self, *names: str) -> Iterator[tuple[Cell, ...]]:
         """Yield the combinations of cells on these axes of which any is left."""
         kept_axes = [at for at, axis in enumerate(self.axes) if axis.name in names]
