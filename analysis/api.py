@@ -41,6 +41,9 @@ def replay(
 ) -> FrameLog:
     """Replay a trace through a scene under one policy; return what happened, one row a frame.
 
+    It is replayed in this very process, where a debugger sees it and what it prints is seen, and
+    which it can end: `compare` and `check` replay in processes apart.
+
     Keywords are those of `ReplayOptions`.  The same arguments give the same bytes.
 
     Raises `InputError` if something named cannot be loaded, and `PolicyError` if the policy raises
@@ -82,6 +85,8 @@ def compare(
     resamples: int = 200,
     draws: int = 16,
     workers: int = 1,
+    policy_timeout_s: float = 60.0,
+    policy_memory_bytes: int | None = None,
     out: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> "Comparison":
@@ -98,9 +103,9 @@ def compare(
     budget_ms
         None for one refresh of the display.
     workers
-        Processes; 1 replays in this one, 0 takes as many as there are processors.  Classes typed
-        into a notebook are known in this process alone, and a script that starts others keeps its
-        calls under ``if __name__ == "__main__"``.
+        Processes; 0 for as many as there are processors.  No policy is replayed in this process.
+    policy_timeout_s, policy_memory_bytes
+        What a policy may take before it fails: see `Limits`.
     out
         Folder for report.html, comparison.json and the frames of every policy.
     progress
@@ -111,7 +116,9 @@ def compare(
     from .study.compare import CompareOptions
     from .study.compare import compare as compare_specs
     from .study.comparison_target import claimed_target
+    from .study.engine.limits import Limits
 
+    limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
     with claimed_target(None if out is None else Path(out)) as target:
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(
@@ -130,7 +137,13 @@ def compare(
             as_trace(_only(traces), world, place),
             machine,
             options,
-            CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers),
+            CompareOptions(
+                warmup=warmup,
+                resamples=resamples,
+                draws=draws,
+                workers=workers,
+                policy_limits=limits,
+            ),
             progress=progress,
             target=target,
         )
@@ -156,6 +169,8 @@ def check(
     resamples: int = 200,
     place: str = "shrink",
     workers: int = 1,
+    policy_timeout_s: float = 60.0,
+    policy_memory_bytes: int | None = None,
     strict: bool = False,
 ) -> "CheckReport":
     """Judge policies by limits on their metrics, as `lodbench check` does.
@@ -165,7 +180,7 @@ def check(
     limits
         TOML file; None for the 95th percentile of the work time within the budget and, if there is
         a baseline, the 99th of the frame time at most 2.5 % up.
-    budget_ms, workers
+    budget_ms, workers, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -175,6 +190,7 @@ def check(
     from .gate.check import CheckPlan, judge_measured, measure_plan
     from .gate.limits_file import choose_limits
     from .gate.measurements import MeasureOptions
+    from .study.engine.limits import Limits
 
     chosen = choose_limits(None if limits is None else Path(limits), Path(baseline))
     plan = CheckPlan(
@@ -188,7 +204,13 @@ def check(
         warmup=warmup,
         place=place,
     )
-    options = MeasureOptions(seeds=seeds, resamples=resamples, draws=draws, workers=workers)
+    options = MeasureOptions(
+        seeds=seeds,
+        resamples=resamples,
+        draws=draws,
+        workers=workers,
+        policy_limits=Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes),
+    )
     conditions, measured = measure_plan(plan, options)
     return judge_measured(chosen, measured, conditions, Path(baseline), strict=strict)
 

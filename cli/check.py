@@ -66,11 +66,15 @@ def check(
     resamples: options.Resamples = 200,
     place: options.Place = "shrink",
     workers: options.Workers = 0,
+    policy_timeout: options.PolicyTimeout = 60.0,
+    policy_memory: options.PolicyMemory = None,
 ) -> None:
     """Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input."""
     from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
     from ..analysis.gate.limits_file import choose_limits
     from ..analysis.gate.measurements import MeasureOptions, measure_run
+    from ..analysis.study.engine.limits import make_limits
+    from ..analysis.study.engine.open_engine import prepare_engine
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if run is not None:
@@ -87,7 +91,14 @@ def check(
             warmup=warmup,
             place=place,
         )
-        sampling = MeasureOptions(seeds=seeds, resamples=resamples, draws=draws, workers=workers)
+        sampling = MeasureOptions(
+            seeds=seeds,
+            resamples=resamples,
+            draws=draws,
+            workers=workers,
+            policy_limits=make_limits(policy_timeout, policy_memory),
+        )
+        prepare_engine()
         conditions, measured = measure_plan(plan, sampling)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)

@@ -52,6 +52,8 @@ def compare(
     wide: Wide = False,
     warmup: options.Warmup = 30,
     workers: options.Workers = 0,
+    policy_timeout: options.PolicyTimeout = 60.0,
+    policy_memory: options.PolicyMemory = None,
     draws: options.Draws = 16,
     resamples: options.Resamples = 200,
     place: options.Place = "shrink",
@@ -67,13 +69,17 @@ def compare(
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study import compare as study
     from ..analysis.study.comparison_target import claimed_target
+    from ..analysis.study.engine.limits import make_limits
+    from ..analysis.study.engine.open_engine import prepare_engine
     from ..analysis.study.inputs import adjust_machine, load_trace
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import default_policies, parse_policy
     from ..sim.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
+    limits = make_limits(policy_timeout, policy_memory)
     with claimed_target(out) as target:
+        prepare_engine()
         profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or default_policies()]
@@ -88,7 +94,7 @@ def compare(
             faults=parse_faults(faults),
         )
         scoring = study.CompareOptions(
-            warmup=warmup, resamples=resamples, draws=draws, workers=workers
+            warmup=warmup, resamples=resamples, draws=draws, workers=workers, policy_limits=limits
         )
         with progress_bar("replay") as progress:
             comparison, logs = study.compare(

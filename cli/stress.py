@@ -48,10 +48,15 @@ def stress(
     evaluations: Evaluations = 100,
     budget_ms: options.BudgetMs = None,
     seed: PathSeed = 0,
+    policy_timeout: options.PolicyTimeout = 60.0,
+    policy_memory: options.PolicyMemory = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Search camera paths within speed and turn limits for one on which a policy does badly."""
+    from ..analysis.study import badness as kinds
     from ..analysis.study import stress as search
+    from ..analysis.study.engine.limits import make_limits
+    from ..analysis.study.engine.open_engine import prepare_engine
     from ..analysis.study.inputs import load_trace
     from ..models.machine.profile_catalog import load_hardware
     from ..models.scene.scene_catalog import load_scene
@@ -60,23 +65,28 @@ def stress(
     from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out)
-    aim = search.check_badness(badness)
+    limits = make_limits(policy_timeout, policy_memory)
+    prepare_engine()
+    aim = kinds.check_badness(badness)
     spec, world, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
     replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
     bounds = search.PathLimits(
         speed_m_s=speed_m_s, turn_deg_s=turn_deg_s, duration_s=duration_s, legs=legs
     )
-    with progress_bar("search") as progress:
+    with (
+        kinds.open_gauge(spec, world, profile, replay, aim, limits=limits) as gauge,
+        progress_bar("search") as progress,
+    ):
+        walk = gauge(load_trace("walk", world))
         worst = search.stress(
-            spec, world, profile, replay, aim, bounds, evaluations=evaluations, progress=progress
+            gauge, world, bounds, seed=seed, evaluations=evaluations, progress=progress
         )
-    walk = search.measure_badness(spec, world, load_trace("walk", world), profile, replay, aim)
     write_trace(worst.trace, out)
-    limits = out.with_suffix(".limits.toml")
-    metric = search.METRIC_OF[aim]
-    _write_limits(limits, metric, policy)
+    limits_file = out.with_suffix(".limits.toml")
+    metric = kinds.METRIC_OF[aim]
+    _write_limits(limits_file, metric, policy)
     check = ["lodbench", "check", "--policy", policy, "--scene", scene, "--trace", str(out)]
-    check += ["--place", "none", "--hardware", hardware, "--limits", str(limits)]
+    check += ["--place", "none", "--hardware", hardware, "--limits", str(limits_file)]
     check += ["--baseline", str(out.with_suffix(".baseline.json"))]
     check += ["--seed", str(seed)] if seed else []
     check += ["--budget-ms", repr(budget_ms)] if budget_ms is not None else []
@@ -91,7 +101,7 @@ def stress(
         "walk": walk,
         "evaluations": worst.evaluations,
         "trace": str(out),
-        "limits": str(limits),
+        "limits": str(limits_file),
         "check": check,
     }
     if as_json:

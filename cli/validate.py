@@ -67,6 +67,8 @@ def validate(
     draws: options.Draws = 16,
     resamples: options.Resamples = 200,
     workers: options.Workers = 0,
+    policy_timeout: options.PolicyTimeout = 60.0,
+    policy_memory: options.PolicyMemory = None,
     backend: options.Backend = "egl",
     instancing: options.Instancing = False,
     threads: options.Threads = 0,
@@ -76,6 +78,7 @@ def validate(
 ) -> None:
     """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
     from ..analysis.study.compare import CompareOptions
+    from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.inputs import load_trace
     from ..analysis.validation import replays
     from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
@@ -91,6 +94,7 @@ def validate(
     from ..render.gl.recorder import recorded_hardware
     from ..sim.replay import ReplayOptions
 
+    limits = make_limits(policy_timeout, policy_memory)
     labels = list(policy or POLICIES)
     _check_arguments(labels, out, recorded)
     with claimed_validation(out):
@@ -103,7 +107,9 @@ def validate(
         require_other_frames(profile, opened.scene.name, path.name)
         require_priced(profile)
         require_recordable(labels, opened.scene)
-        scoring = CompareOptions(warmup=warmup, resamples=resamples, draws=draws, workers=workers)
+        scoring = CompareOptions(
+            warmup=warmup, resamples=resamples, draws=draws, workers=workers, policy_limits=limits
+        )
         drawing = RecordOptions(
             backend=backend, instancing=instancing, repeats=repeats, threads=threads
         )

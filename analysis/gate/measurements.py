@@ -19,6 +19,7 @@ from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Score
 from ..study.comparison_folder import read_results
+from ..study.engine.limits import DEFAULT_LIMITS, Limits
 from ..study.runs import Runs, choose_draws, run_policies
 from ..study.score import Scored, World, resample
 from ..verdict.uncertainty import Pool, interval
@@ -38,12 +39,18 @@ class MeasureOptions:
         Posterior draws of the cost model to replay under each seed, if the profile has them.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
+    policy_limits : Limits
+        What a policy may take.
+    scheduler : str or None
+        Address of a Dask scheduler in place of processes here.
     """
 
     seeds: int = 4  # enough to find 5 % more in the 99th percentile of 200 frames; see docs/ci.md
     resamples: int = 200
     draws: int = 16
     workers: int = 1
+    policy_limits: Limits = DEFAULT_LIMITS
+    scheduler: str | None = None
 
     def __post_init__(self) -> None:
         for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 0)):
@@ -110,7 +117,16 @@ def measure(
     seeds = range(options.seed, options.seed + sampling.seeds)
     draws = choose_draws(world.hardware, sampling.draws)
     resamples = (sampling.resamples, -(-sampling.resamples // max(len(draws), 1)))
-    runs = run_policies(policies, world, seeds, draws, resamples, sampling.workers)
+    runs = run_policies(
+        policies,
+        world,
+        seeds,
+        draws,
+        resamples,
+        sampling.workers,
+        limits=sampling.policy_limits,
+        scheduler=sampling.scheduler,
+    )
     names = (world.scene.name, world.trace.name)
     measured = [_measured((label, *names), run) for label, run in runs.items()]
     conditions = Conditions(

@@ -2,10 +2,13 @@
 
 import hashlib
 import inspect
+import sys
+import sysconfig
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 
 from ...base.content_hash import SIZE_BYTES, content_hash
 from ...policies.policy_spec import PolicySpec
@@ -46,7 +49,10 @@ def _hash_sources(rooms: Sequence[str], pattern: str, libraries: Sequence[str]) 
 
 
 def policy_hash(spec: PolicySpec) -> str:
-    """Return the hash of a policy: its class, that class's source, and its parameters.
+    """Return the hash of a policy: its class, its parameters, and the user's code it is made of.
+
+    That code is the file of the class and the user's modules that it uses.  What a policy reads
+    while it runs, such as a file of weights, is not known.
 
     Raises TypeError or OSError if there is no content to tell it by, such as of a class that was
     typed into a prompt, or of an object that holds a function.
@@ -57,8 +63,42 @@ def policy_hash(spec: PolicySpec) -> str:
     return content_hash(*named, _source(cls), spec.params, made)
 
 
+@cache
 def _source(cls: type) -> str:
-    """Return the sources of the class and of those it is made from; ours count by `code_hash`."""
+    """Return the sources of a user's class and of what it is made from; ours have `code_hash`."""
     users = [kind for kind in cls.__mro__[:-1] if not kind.__module__.startswith("lodbench.")]
-    # The whole file, as its other functions matter too; a notebook's cell has no file.
-    return "\n".join(inspect.getsource(inspect.getmodule(kind) or kind) for kind in users)
+    modules = {module for kind in users if (module := inspect.getmodule(kind)) is not None}
+    # A notebook's cell has no file; of what has, all counts, as its other functions matter too.
+    cells = [inspect.getsource(kind) for kind in users if inspect.getmodule(kind) is None]
+    return "\n".join([*cells, *_texts(modules)])
+
+
+def _texts(modules: set[ModuleType]) -> list[str]:
+    """Return the texts of modules, and of the user's own modules whose names they use."""
+    found: dict[str, str] = {}
+    waiting = list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module.__name__ in found:
+            continue
+        found[module.__name__] = inspect.getsource(module)
+        for thing in list(vars(module).values()):
+            home = thing if isinstance(thing, ModuleType) else _home(thing)
+            if home is not None and _is_users(home):
+                waiting.append(home)
+    return [found[name] for name in sorted(found)]
+
+
+def _home(thing: object) -> ModuleType | None:
+    name: object = getattr(thing, "__module__", None)
+    return sys.modules.get(name) if isinstance(name, str) else None
+
+
+def _is_users(module: ModuleType) -> bool:
+    """Whether a module is neither ours, nor of Python or of what is installed beside it."""
+    file: object = getattr(module, "__file__", None)
+    if not isinstance(file, str) or module.__name__.partition(".")[0] == "lodbench":
+        return False
+    return file.endswith(".py") and not any(
+        Path(file).is_relative_to(folder) for folder in set(sysconfig.get_paths().values())
+    )

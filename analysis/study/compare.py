@@ -16,6 +16,8 @@ from ..verdict.bootstrap import BLOCKS
 from ..verdict.pareto import find_front
 from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
+from .engine.limits import DEFAULT_LIMITS, Limits
+from .engine.open_engine import open_engine
 from .runs import Progress, Runs, carry_out, choose_draws, plan_runs
 from .score import World
 
@@ -37,12 +39,18 @@ class CompareOptions:
         Posterior draws of the cost model to replay, if the profile has them.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
+    policy_limits : Limits
+        What a policy may take.
+    scheduler : str or None
+        Address of a Dask scheduler in place of processes here.
     """
 
     warmup: int = 30
     resamples: int = 200
     draws: int = 16
     workers: int = 0
+    policy_limits: Limits = DEFAULT_LIMITS
+    scheduler: str | None = None
 
     def __post_init__(self) -> None:
         for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
@@ -79,9 +87,13 @@ def compare(
     each = -(-options.resamples // max(len(draws), 1))
     resamples = (0 if draws else each, each)
     plan = plan_runs(policies, world, [replay_options.seed], draws, resamples)
-    if target is not None and (earlier := target.begin(plan)) is not None:
+    limits = options.policy_limits
+    if target is not None and (earlier := target.begin(plan, limits)) is not None:
         return earlier
-    runs = carry_out(plan, options.workers, progress, None if target is None else target.work)
+    engine = open_engine(
+        plan.inputs, workers=options.workers, limits=limits, scheduler=options.scheduler
+    )
+    runs = carry_out(plan, engine, progress, None if target is None else target.work)
     pools = {
         label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
         for label, run in runs.items()

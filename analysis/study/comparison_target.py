@@ -7,6 +7,7 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...base.content_hash import content_hash
 from ...base.errors import InputError
@@ -18,6 +19,9 @@ from .comparison_folder import OURS, holds_study, read_results, write_results
 from .results.run_list import RunList
 from .results.work_folder import WorkFolder, remove_work
 from .runs import Plan
+
+if TYPE_CHECKING:
+    from .engine.limits import Limits
 
 
 @contextmanager
@@ -62,15 +66,22 @@ class ComparisonTarget:
         self.work: WorkFolder | None = None
         self.is_writing = False
 
-    def begin(self, plan: Plan) -> tuple[Comparison, dict[str, FrameLog]] | None:
-        """Return the comparison of these runs if the folder holds it; else be ready to work."""
-        runs = _list_runs(plan)
+    def begin(self, plan: Plan, limits: "Limits") -> tuple[Comparison, dict[str, FrameLog]] | None:
+        """Return the comparison of these runs if the folder holds it; else be ready to work.
+
+        Parameters
+        ----------
+        limits
+            On which it depends which policies fail.
+        """
+        runs = _list_runs(plan, limits)
         if runs is None:
             return None
         self._study = content_hash(package_hash(), runs.digest)
         self._holds = holds_study(self._folder, self._study)
         if self._holds:
-            print(f"{self._folder} holds this comparison: no run is repeated", file=sys.stderr)
+            told = f"{self._folder} holds this comparison: no run is repeated, unless you remove it"
+            print(told, file=sys.stderr)
             return read_results(self._folder)
         self.work = WorkFolder(self._folder, runs)
         return None
@@ -102,10 +113,10 @@ class ComparisonTarget:
         remove_work(self._folder)
 
 
-def _list_runs(plan: Plan) -> RunList | None:
+def _list_runs(plan: Plan, limits: "Limits") -> RunList | None:
     """Return the study of these runs, None if one has no content to tell it by."""
     names = {digest: value.name for digest, value in plan.inputs.items()}
     try:
-        return RunList(plan.runs, names, stop=True)
+        return RunList(plan.runs, names, stop=True, limits=limits)
     except (TypeError, OSError):
         return None

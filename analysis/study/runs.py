@@ -10,8 +10,9 @@ from ...base.content_hash import content_hash
 from ...models.machine.hardware import HardwareProfile
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import require_distinct
-from .engine.local_engine import LocalEngine
-from .engine.task import Failure
+from .engine.limits import Limits
+from .engine.open_engine import open_engine
+from .engine.task import Engine, Failure
 from .run import Run
 from .score import Scored, World
 
@@ -72,13 +73,17 @@ def run_policies(
     resamples: tuple[int, int],
     workers: int,
     progress: Progress | None = None,
+    *,
+    limits: Limits | None = None,
+    scheduler: str | None = None,
 ) -> dict[str, Runs]:
     """Replay every policy, and return what became of each, by label (see `plan_runs`).
 
     Raises `InputError` as `plan_runs`, or if the parameters of a policy are refused.
     """
     plan = plan_runs(policies, world, seeds, draws, resamples)
-    return carry_out(plan, workers, progress)
+    engine = open_engine(plan.inputs, workers=workers, limits=limits, scheduler=scheduler)
+    return carry_out(plan, engine, progress)
 
 
 def plan_runs(
@@ -96,6 +101,8 @@ def plan_runs(
     ----------
     resamples
         Of a replay under the mean, and of one under a draw.
+    workers, limits, scheduler
+        Of the engine (see `open_engine`).
     """
     world.require_scored_frames()
     require_distinct(policies)
@@ -122,7 +129,7 @@ def plan_runs(
 
 
 def carry_out(
-    plan: Plan, workers: int, progress: Progress | None = None, work: "WorkFolder | None" = None
+    plan: Plan, engine: Engine, progress: Progress | None = None, work: "WorkFolder | None" = None
 ) -> dict[str, Runs]:
     """Carry out runs, or what is missing of them, and return what became of each policy, by label.
 
@@ -135,7 +142,7 @@ def carry_out(
     """
     results = {} if work is None else dict(work.results)
     missing = range(len(plan.runs)) if work is None else work.missing
-    with LocalEngine(plan.inputs, workers) as engine:
+    with engine:
         for outcome in engine.run([plan.runs[at] for at in missing]):
             at = missing[outcome.index]
             results[at] = outcome.failure or outcome.result

@@ -9,31 +9,19 @@ derivatives", The Computer Journal 1964).
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...models.machine.hardware import HardwareProfile
 from ...models.scene.extent import scene_extent
 from ...models.scene.scene import Scene
-from ...policies.policy_spec import PolicySpec
-from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.tour import EYE_M
 from ...traces.cameras.orientation import look_along
-from ..metrics.measured_frames import MeasuredFrames
-from ..metrics.metric_registry import find_metric
+from .badness import Gauge
 from .runs import Progress
-
-Badness = Literal["overshoot", "toggles", "lag"]
-METRIC_OF: dict[Badness, str] = {
-    "overshoot": "work_ms_max",
-    "toggles": "toggles_per_frame",
-    "lag": "lag_ms_p99",
-}
-"""The metric that each kind of badness is; the overshoot is over the budget."""
 
 _RATE_HZ = 60.0
 _SCATTERED = 0.5  # share of the evaluations that are no local search
@@ -87,17 +75,6 @@ class WorstPath:
     evaluations: int
 
 
-def check_badness(text: str) -> Badness:
-    """Return the kind of badness of that name.
-
-    Raises `InputError` if there is none.
-    """
-    for name in METRIC_OF:
-        if name == text:
-            return name
-    raise InputError(f"badness: expected {', '.join(METRIC_OF)}, got {text}; name one")
-
-
 def path_of(point: FloatArray, scene: Scene, limits: PathLimits) -> CameraTrace:
     """Return the path that a point of the unit cube stands for.
 
@@ -128,59 +105,24 @@ def path_of(point: FloatArray, scene: Scene, limits: PathLimits) -> CameraTrace:
     )
 
 
-def measure_badness(
-    spec: PolicySpec,
-    scene: Scene,
-    trace: CameraTrace,
-    hardware: HardwareProfile,
-    options: ReplayOptions,
-    badness: Badness,
-    warmup: int = 30,
-) -> float:
-    """Return how bad a policy is on a trace: the more the worse.
-
-    Raises
-    ------
-    PolicyError
-        If the policy breaks its contract.
-    """
-    log = replay(spec.make(), scene, trace, hardware, options, name=spec.label)
-    if len(log) <= warmup:
-        return 0.0
-    value = find_metric(METRIC_OF[badness]).value(MeasuredFrames(log, warmup)) or 0.0
-    return value / options.budget_ms if badness == "overshoot" else value
-
-
 def stress(
-    spec: PolicySpec,
+    gauge: Gauge,
     scene: Scene,
-    hardware: HardwareProfile,
-    options: ReplayOptions,
-    badness: Badness,
     limits: PathLimits,
     *,
+    seed: int = 0,
     evaluations: int = 100,
-    warmup: int = 30,
     progress: Progress | None = None,
 ) -> WorstPath:
     """Search for the path on which a policy is worst; the same arguments find the same path.
 
-    Raises
-    ------
-    InputError
-        If there are too few evaluations to search with.
-    PolicyError
-        If the policy breaks its contract.
+    Raises `InputError` if there are too few evaluations to search with, and what the gauge raises
+    (see `open_gauge`).
     """
     if evaluations < 8:
         raise InputError(f"evaluations: expected at least 8, got {evaluations}")
-
-    def badness_at(point: FloatArray) -> float:
-        trace = path_of(point, scene, limits)
-        return measure_badness(spec, scene, trace, hardware, options, badness, warmup)
-
-    search = _Search(badness_at, evaluations, progress)
-    search.run(3 + 2 * limits.legs, options.seed)
+    search = _Search(lambda point: gauge(path_of(point, scene, limits)), evaluations, progress)
+    search.run(3 + 2 * limits.legs, seed)
     return WorstPath(path_of(search.best, scene, limits), search.value, search.done)
 
 

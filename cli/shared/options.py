@@ -35,6 +35,22 @@ Draws = Annotated[
     int, Option(help="Posterior draws of the cost model to replay, if there are any.")
 ]
 Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results are the same.")]
+PolicyTimeout = Annotated[
+    float,
+    Option(
+        metavar="S",
+        help="Seconds without a new frame after which a policy fails; a whole replay may take ten "
+        "times as many, and a sixtieth for each frame.",
+    ),
+]
+PolicyMemory = Annotated[
+    str | None,
+    Option(
+        metavar="BYTES",
+        help="Memory that a policy may have before it fails, such as 2GB; else 80% of what is "
+        "available, divided by the workers.",
+    ),
+]
 
 # How frames are drawn with OpenGL.
 Backend = Annotated[str, Option(help="egl, off screen, or window.")]

@@ -62,6 +62,15 @@ class Limits:
         return max(int(_SHARE * available_bytes() / workers), _LEAST_BYTES)
 
 
+DEFAULT_LIMITS = Limits()
+
+
+def make_limits(timeout_s: float, memory: str | None) -> Limits:
+    """Return limits as a command line has them; raises `InputError` if they are none."""
+    memory_bytes = None if memory is None else parse_bytes(memory)
+    return Limits(timeout_s=timeout_s, memory_bytes=memory_bytes)
+
+
 def parse_bytes(text: str) -> int:
     """Return bytes written as ``2GB``, ``500 MiB`` or a plain number.
 

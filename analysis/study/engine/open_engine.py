@@ -3,6 +3,7 @@
 from ....base.errors import InputError
 from .limits import Limits
 from .local_engine import LocalEngine
+from .processes import SERVER
 from .task import Engine, Inputs
 
 
@@ -29,3 +30,8 @@ def open_engine(
     if scheduler is not None:
         raise InputError("--scheduler: expected the extra cluster; install lodbench[cluster]")
     return LocalEngine(inputs, workers, limits)
+
+
+def prepare_engine() -> None:
+    """Start what an engine here waits for, so that it loads while the caller loads its scene."""
+    SERVER.warm_up()

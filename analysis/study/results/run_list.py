@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from ....base.content_hash import content_hash
 from ....base.errors import InputError
+from ..engine.limits import DEFAULT_LIMITS, Limits
 from ..run import Run
 from .record import SCHEMA, AxisValue, schema_of
 
@@ -29,6 +30,8 @@ class RunList:
         those that every result has (`record.COLUMNS`).  Values of one axis are of one kind.
     stop : bool
         Whether the runs of an owner behind its first failure count for nothing (see `Engine.run`).
+    limits : Limits
+        What policies may take, on which it depends which fail.
     digests : tuple of str
         Of the runs.
     digest : str
@@ -39,6 +42,7 @@ class RunList:
     names: Mapping[str, str]
     axes: Axes = field(default_factory=dict[str, Sequence[AxisValue]])
     stop: bool = False
+    limits: Limits = DEFAULT_LIMITS
     digests: tuple[str, ...] = field(init=False)
     digest: str = field(init=False)
 
@@ -53,7 +57,7 @@ class RunList:
             raise InputError(f"study: expected each run once, got {twice} again; leave them out")
         object.__setattr__(self, "digests", digests)
         axes = {name: list(values) for name, values in self.axes.items()}
-        known = content_hash(SCHEMA, list(digests), dict(self.names), axes, self.stop)
+        known = content_hash(SCHEMA, list(digests), dict(self.names), axes, self.stop, self.limits)
         object.__setattr__(self, "digest", known)
 
     def __len__(self) -> int:

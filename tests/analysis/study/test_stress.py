@@ -1,19 +1,16 @@
 """The search for bad paths: every point of the cube keeps the limits, and the search finds bad."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lodbench.analysis.study.badness import check_badness, open_gauge
 from lodbench.analysis.study.inputs import load_trace
-from lodbench.analysis.study.stress import (
-    PathLimits,
-    check_badness,
-    measure_badness,
-    path_of,
-    stress,
-)
-from lodbench.base.errors import InputError
+from lodbench.analysis.study.stress import PathLimits, path_of, stress
+from lodbench.base.errors import InputError, PolicyError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene import Scene
@@ -25,6 +22,15 @@ from lodbench.traces.cameras.orientation import turn_deg
 LIMITS = PathLimits(duration_s=1.5, legs=4)
 OPTIONS = ReplayOptions(budget_ms=8.0)
 UNIT = st.floats(0.0, 1.0)
+
+ENDS = """
+import os
+from lodbench.policies.bounds.full import Full
+
+class Ends(Full):
+    def select(self, view):
+        return super().select(view) if view.frame < 5 else os._exit(0)
+"""
 
 
 @settings(max_examples=50, deadline=None, database=None)
@@ -58,39 +64,30 @@ def test_search_finds_worse_than_a_path_at_rest(
     """Each kind is worse on the path found than on a path that stands and looks away."""
     spec, kind = parse_policy("feedback"), check_badness(badness)
     calls: list[tuple[int, int]] = []
-    found = stress(
-        spec,
-        small_scene,
-        machine,
-        OPTIONS,
-        kind,
-        LIMITS,
-        evaluations=20,
-        progress=lambda done, total: calls.append((done, total)),
-    )
     away = path_of(np.array([0.0, 0.5, 0.5, *(0.0,) * 4, *(0.5,) * 4]), small_scene, LIMITS)
-    rest = measure_badness(spec, small_scene, away, machine, OPTIONS, kind)
-    assert found.value > 1.2 * rest
-    again = measure_badness(spec, small_scene, found.trace, machine, OPTIONS, kind)
-    assert again == found.value
+    with open_gauge(spec, small_scene, machine, OPTIONS, kind) as gauge:
+        found = stress(
+            gauge,
+            small_scene,
+            LIMITS,
+            evaluations=20,
+            progress=lambda done, total: calls.append((done, total)),
+        )
+        assert found.value > 1.2 * gauge(away)
+    with open_gauge(spec, small_scene, machine, OPTIONS, kind) as gauge:
+        assert gauge(found.trace) == found.value
     assert [done for done, _ in calls] == list(range(1, found.evaluations + 1))
     assert found.evaluations <= 20
 
 
 def test_the_same_search_finds_the_same_path(small_scene: Scene, machine: HardwareProfile) -> None:
     """Nothing but the seed decides which path is found."""
-    paths = [
-        stress(
-            parse_policy("feedback"),
-            small_scene,
-            machine,
-            ReplayOptions(budget_ms=8.0, seed=seed),
-            "overshoot",
-            LIMITS,
-            evaluations=8,
-        ).trace.position_m
-        for seed in (1, 1, 2)
-    ]
+    spec = parse_policy("feedback")
+    with open_gauge(spec, small_scene, machine, OPTIONS, "overshoot") as gauge:
+        paths = [
+            stress(gauge, small_scene, LIMITS, seed=seed, evaluations=8).trace.position_m
+            for seed in (1, 1, 2)
+        ]
     assert np.array_equal(paths[0], paths[1])
     assert not np.array_equal(paths[0], paths[2])
 
@@ -102,15 +99,22 @@ def test_what_cannot_be_searched(small_scene: Scene, machine: HardwareProfile) -
     with pytest.raises(InputError, match="duration_s: expected"):
         PathLimits(duration_s=0.1)
     with pytest.raises(InputError, match="at least 8"):
-        stress(
-            parse_policy("full"),
-            small_scene,
-            machine,
-            OPTIONS,
-            "lag",
-            LIMITS,
-            evaluations=3,
-        )
+        stress(lambda _: 0.0, small_scene, LIMITS, evaluations=3)
+
+
+def test_what_a_policy_does_is_told_of_it(
+    small_scene: Scene, machine: HardwareProfile, tmp_path: Path
+) -> None:
+    """A policy that ends its process on a path fails by frame, and this process goes on."""
+    path = tmp_path / "mine.py"
+    path.write_text(ENDS, encoding="utf-8")
+    spec = parse_policy(f"{path}:Ends")
+    trace = path_of(np.full(11, 0.5), small_scene, LIMITS)
+    with (
+        open_gauge(spec, small_scene, machine, OPTIONS, "lag") as gauge,
+        pytest.raises(PolicyError, match="frame 5: process ended with status 0"),
+    ):
+        gauge(trace)
 
 
 @pytest.mark.slow
@@ -119,7 +123,8 @@ def test_feedback_overshoots_twice_as_far_as_on_the_walk() -> None:
     scene, hardware = load_scene("plaza"), load_hardware("desktop-assumed")
     spec, options = parse_policy("feedback"), ReplayOptions(budget_ms=1e3 / 60.0)
     walk = load_trace("walk", scene)
-    before = measure_badness(spec, scene, walk, hardware, options, "overshoot")
-    found = stress(spec, scene, hardware, options, "overshoot", PathLimits())
+    with open_gauge(spec, scene, hardware, options, "overshoot") as gauge:
+        before = gauge(walk)
+        found = stress(gauge, scene, PathLimits())
     assert found.value >= 2.0 * before
     assert found.value > 1.0

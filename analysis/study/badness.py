@@ -1,0 +1,121 @@
+"""How bad a policy is on a camera path, measured in processes apart, path after path."""
+
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias
+
+from ...base.content_hash import content_hash
+from ...base.errors import InputError, PolicyError
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
+from ...policies.policy_spec import PolicySpec
+from ...policies.protocol import why_not_applicable
+from ...sim.replay import ReplayOptions, replay
+from ...traces.cameras.camera_trace import CameraTrace
+from ..metrics.measured_frames import MeasuredFrames
+from ..metrics.metric_registry import find_metric
+from .engine.limits import Limits
+from .engine.open_engine import open_engine
+from .engine.task import Beat, Inputs, NotApplicableError
+
+Badness = Literal["overshoot", "toggles", "lag"]
+METRIC_OF: dict[Badness, str] = {
+    "overshoot": "work_ms_max",
+    "toggles": "toggles_per_frame",
+    "lag": "lag_ms_p99",
+}
+"""The metric that each kind of badness is; the overshoot is over the budget."""
+
+Gauge: TypeAlias = Callable[[CameraTrace], float]
+"""Returns how bad a policy is on a path: the more the worse."""
+
+
+def check_badness(text: str) -> Badness:
+    """Return the kind of badness of that name.
+
+    Raises `InputError` if there is none.
+    """
+    for name in METRIC_OF:
+        if name == text:
+            return name
+    raise InputError(f"badness: expected {', '.join(METRIC_OF)}, got {text}; name one")
+
+
+@dataclass(frozen=True, slots=True)
+class PathRun:
+    """One policy on one path (a `Task`).
+
+    Attributes
+    ----------
+    policy : PolicySpec
+    scene, hardware : str
+        Content hashes of the inputs.
+    trace : CameraTrace
+    options : ReplayOptions
+    badness : Badness
+    warmup : int
+        Frames at the start that do not count.
+    """
+
+    policy: PolicySpec
+    scene: str
+    hardware: str
+    trace: CameraTrace
+    options: ReplayOptions
+    badness: Badness
+    warmup: int
+
+    result_type: ClassVar[type] = float
+
+    @property
+    def owner(self) -> str:
+        """The policy's label (see `Task`)."""
+        return self.policy.label
+
+    def __call__(self, inputs: Inputs, beat: Beat) -> float:
+        """Replay and measure (see `Task`)."""
+        policy, scene = self.policy.make(), inputs[self.scene]
+        unfit = why_not_applicable(policy.capabilities, scene)
+        if unfit is not None:
+            raise NotApplicableError(unfit)
+        hardware, label = inputs[self.hardware], self.policy.label
+        log = replay(policy, scene, self.trace, hardware, self.options, name=label, beat=beat)
+        if len(log) <= self.warmup:
+            return 0.0
+        metric = find_metric(METRIC_OF[self.badness])
+        value = metric.value(MeasuredFrames(log, self.warmup)) or 0.0
+        return value / self.options.budget_ms if self.badness == "overshoot" else value
+
+
+@contextmanager
+def open_gauge(
+    spec: PolicySpec,
+    scene: Scene,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    badness: Badness,
+    *,
+    warmup: int = 30,
+    limits: Limits | None = None,
+) -> Generator[Gauge]:
+    """Yield what measures a policy, in one process for all paths.
+
+    Measuring raises `PolicyError` if the policy breaks its contract, and `InputError` if it does
+    not fit the scene.
+    """
+    inputs = {content_hash(value): value for value in (scene, hardware)}
+    names = tuple(inputs)
+    with open_engine(inputs, workers=1, limits=limits) as engine:
+
+        def measure(trace: CameraTrace) -> float:
+            task = PathRun(spec, *names, trace, options, badness, warmup)
+            (outcome,) = engine.run([task])
+            failure = outcome.failure
+            if failure is None:
+                return outcome.result
+            if failure.kind == "not-applicable":
+                raise InputError(f"policy {spec.label}: expected one that fits; {failure.reason}")
+            raise PolicyError(spec.label, failure.frame, failure.reason)
+
+        yield measure
