@@ -43,6 +43,19 @@ def write_part(folder: Path, word: str, number: int, table: pa.Table) -> Part:
     return Part(name, len(table), hash_bytes(content))
 
 
+def size_of(table: pa.Table) -> int:
+    """Return the bytes that a part of these rows would have."""
+    return len(_encoded(table))
+
+
+def _encoded(table: pa.Table) -> bytes:
+    sink = pa.BufferOutputStream()
+    texts = [field.name for field in table.schema if field.type == pa.string()]
+    # Only texts: a dictionary of numbers would make one of all NaN.
+    parquet.write_table(table, sink, compression="zstd", use_dictionary=texts)
+    return sink.getvalue().to_pybytes()
+
+
 def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) -> pa.Table:
     """Return the rows of a part, or some of their columns.
 
@@ -60,6 +73,15 @@ def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) ->
     return parquet.read_table(
         reader, columns=None if columns is None else list(columns), use_threads=False
     )
+
+
+def column_names(folder: Path, part: Part) -> list[str]:
+    """Return the columns of a part by name; raises `InputError` if it is missing or damaged."""
+    path = folder / PARTS / part.file
+    try:
+        return list(parquet.read_schema(path).names)
+    except (OSError, pa.ArrowException) as error:
+        raise _damaged(path, "no columns") from error
 
 
 def number_of(part: Part) -> int:
