@@ -5,6 +5,7 @@ a policy could have written it: a reply is numbers, text and arrays, checked by 
 reading it runs none of its code.
 """
 
+import math
 import socket
 import struct
 from collections.abc import Iterator
@@ -118,10 +119,9 @@ class Message:
                 raise GarbledError
             name, shape, offset = msgspec.msgpack.decode(about, type=tuple[str, list[int], int])
             dtype = np.dtype(name)
-            if dtype.kind not in "biuf":
+            if dtype.kind not in "biuf" or min((offset, *shape)) < 0:
                 raise GarbledError
-            count = int(np.prod(shape, dtype=object))
-            return np.frombuffer(self._body, dtype, count, offset).reshape(shape)
+            return np.frombuffer(self._body, dtype, math.prod(shape), offset).reshape(shape)
 
         decoder = msgspec.msgpack.Decoder(kind, ext_hook=array, strict=False)
         return decoder.decode(self.reply.value)

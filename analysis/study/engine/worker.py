@@ -183,7 +183,9 @@ def _limit(memory_bytes: int) -> None:
         (_SELF / "oom_score_adj").write_text("1000", encoding="ascii")
     except (OSError, StopIteration):
         return  # another system, which does not enforce the limit either
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)  # whoever started us may have limited us
     most = 1024 * held + memory_bytes
+    most = most if hard == resource.RLIM_INFINITY else min(most, hard)
     resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
