@@ -8,7 +8,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 import lodbench
 from lodbench.analysis.study import comparison_folder
+from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.results import commit, parts, store
 from lodbench.analysis.study.study import Study
 from lodbench.base import whole_folder
@@ -25,6 +26,7 @@ from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provena
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import ObjectTypes, Scene
+from lodbench.sim.frame_log import FrameLog
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 POLICIES = ("full", "static-screen", "feedback")
@@ -114,12 +116,17 @@ def build_world() -> tuple[Scene, CameraTrace, HardwareProfile]:
     return scene, trace, hardware
 
 
+def draw_line(comparison: Comparison, _: Mapping[str, FrameLog]) -> str:
+    """Return a page of a line."""
+    return repr(comparison)
+
+
 def compare(folder: Path) -> None:
     """Compare three policies under three machines: nine runs, then report and frame logs.
 
     The page is a line, as drawing one takes longer than all the rest.
     """
-    comparison_folder.render_report = lambda comparison, _: repr(comparison)
+    comparison_folder.render_report = draw_line
     scene, trace, hardware = build_world()
     lodbench.compare(
         list(POLICIES),

@@ -197,6 +197,5 @@ def test_a_killed_study_ends_as_one_that_was_not(
         place.mkdir()
         disturb(kind, victim, Random(f"{kind} {victim} {seed}"), place, tally)
         seed += 1
-        print(f"{kind} {victim} {seed}: {tally}", file=sys.stderr)
     assert tally.lost == 0
     print(f"| {kind} | {victim} | {tally.kills} | {tally.repeated} | 0 | 0 |")
