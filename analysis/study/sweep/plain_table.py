@@ -5,6 +5,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from ...report.console_tables import titled_table
@@ -53,12 +54,12 @@ class PlainTable:
             ]
 
 
-def console_table(table: PlainTable) -> "Table":
-    """Return a table for a terminal."""
+def console_table(table: PlainTable, most: int | None = None) -> "Table":
+    """Return a table for a terminal, or so many of its first rows."""
     from rich.text import Text
 
     shown = titled_table(table.title, table.header, table.texts)
-    for row in table.shown():
+    for row in islice(table.shown(), most):
         shown.add_row(*map(Text, row))
     return shown
 
