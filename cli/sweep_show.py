@@ -52,10 +52,12 @@ def show(
     as_json: options.AsJson = False,
 ) -> None:
     """List the runs of a study, or their means, or what they depend on."""
+    from dataclasses import replace
+
     from rich.text import Text
 
     from ..analysis.study.sweep.answer import find_answer
-    from ..analysis.study.sweep.plain_table import console_table, csv_text, latex_text
+    from ..analysis.study.sweep.plain_table import console_table, csv_text, fitting, latex_text
 
     if as_csv + as_latex + as_json > 1:
         raise InputError("--csv, --latex, --json: expected one of them, got more; choose one")
@@ -72,7 +74,9 @@ def show(
     else:
         console = table_console(160)
         for table in answer.tables:
-            console.print(console_table(table, _LISTED if answer.kind == "list" else None))
+            brief = replace(table, rows=table.rows[:_LISTED]) if answer.kind == "list" else table
+            for part in fitting(brief, console.width):
+                console.print(console_table(part))
         left = len(answer.exact.rows) - _LISTED
         if answer.kind == "list" and left > 0:
             console.print(f"and {left:,} more runs, which --csv lists too")
