@@ -75,7 +75,7 @@ def stress(
     )
     with (
         kinds.open_gauge(spec, world, profile, replay, aim, limits=limits) as gauge,
-        progress_bar("search") as progress,
+        progress_bar("search", "paths") as progress,
     ):
         walk = gauge(load_trace("walk", world))
         worst = search.stress(

@@ -4,7 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...report.console_tables import titled_table
@@ -21,6 +21,10 @@ _LATEX = {
     "–": "--",
     "…": r"\ldots{}",
 } | {mark: f"\\{mark}" for mark in "&%$#_{}"}
+
+
+_FRAME = 3
+"""Characters of a column beside its cells: a line and two spaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +65,35 @@ def console_table(table: PlainTable) -> "Table":
     for row in table.shown():
         shown.add_row(*map(Text, row))
     return shown
+
+
+def fitting(table: PlainTable, width: int) -> list[PlainTable]:
+    """Return a table as several, each with the columns of names and as many others as fit.
+
+    Parameters
+    ----------
+    width
+        Of the terminal, in characters.
+    """
+    lines = [table.header, *table.shown()]
+    wide = [_FRAME + max(map(len, column)) for column in zip(*lines, strict=True)]
+    named = {*table.texts, *table.axes}
+    fixed = [at for at, name in enumerate(table.header) if name in named]
+    groups: list[list[int]] = [[]]
+    room = free = width - 1 - sum(wide[at] for at in fixed)
+    for at in (at for at, name in enumerate(table.header) if name not in named):
+        if wide[at] > room and groups[-1]:
+            groups.append([])
+            room = free
+        groups[-1].append(at)
+        room -= wide[at]
+    return [_with_columns(table, sorted((*fixed, *group))) for group in groups]
+
+
+def _with_columns(table: PlainTable, places: Sequence[int]) -> PlainTable:
+    header = tuple(table.header[at] for at in places)
+    rows = [tuple(row[at] for at in places) for row in table.rows]
+    return replace(table, header=header, rows=rows)
 
 
 def csv_text(table: PlainTable) -> str:

@@ -51,7 +51,14 @@ class Unscored:
     policy: str
     status: str
     reason: str
+    frame: int | None
     runs: int
+
+    @property
+    def text(self) -> str:
+        """One line about them."""
+        reason = self.reason if self.frame is None else f"frame {self.frame}: {self.reason}"
+        return f"{self.policy}: {self.runs:,} runs {self.status.replace('-', ' ')}: {reason}"
 
 
 class Query:
@@ -129,10 +136,10 @@ class Query:
 
     def unscored(self) -> list[Unscored]:
         """Return who has runs without scores and why, the most first."""
-        by = "policy, status, coalesce(reason, '')"
+        by = "policy, status, reason, frame"
         found = self._rows.filter("status <> 'ok'").aggregate(f"{by}, count(*) AS runs", by)
         rows = [Unscored(*row) for row in found.fetchall()]
-        return sorted(rows, key=lambda row: (row.status, -row.runs, row.policy, row.reason))
+        return sorted(rows, key=lambda row: (row.status, -row.runs, row.text))
 
     def _all(self, columns: str, by: str = "") -> list[tuple[Any, ...]]:
         return self._rows.aggregate(columns, by).fetchall()

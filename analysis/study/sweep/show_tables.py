@@ -9,23 +9,20 @@ from .plain_table import PlainTable
 from .query import Group, Query
 from .sensitivities import Sensitivities
 
-LISTED = 40
-"""Runs that a terminal is shown."""
 
-
-def list_runs(query: Query, metrics: Sequence[str], limit: int | None = None) -> PlainTable:
+def list_runs(query: Query, metrics: Sequence[str], *, varied: bool = False) -> PlainTable:
     """Return a row a run: its place on the axes, its status and some metrics.
 
     Parameters
     ----------
-    limit
-        Show so many runs, and of the axes only those on which they differ.
+    varied
+        Leave out the axes on which the runs do not differ.
     """
     axes = query.results.axes
-    if limit is not None:
+    if varied:
         axes = [name for name in axes if len(query.rows([name]).column(0).unique()) > 1] or axes[:1]
     header = (*axes, "status", *metrics)
-    rows = query.rows(header).slice(0, limit)
+    rows = query.rows(header)
     columns = [rows.column(name).to_pylist() for name in header]
     cells = list(zip(*columns, strict=True))
     return PlainTable("runs", header, cells, (*_texts(query), "status"), tuple(axes))
@@ -55,18 +52,17 @@ def pivot_tables(
 ) -> list[PlainTable]:
     """Return means as one reads them: of one axis all metrics, of more a table a metric.
 
-    The last of several axes goes across.  A mean over fewer runs than the others has their number
-    behind it.
+    The last of several axes goes across.  A mean has the number of its runs behind it where that is
+    not the same for all.
     """
     if len(axes) > 1:
         return [_across(query, groups, axes, at, metric) for at, metric in enumerate(metrics)]
-    usual = max((count for group in groups for count in group.counts), default=0)
-    rows = [
-        (group.cells[0], *(_mean(group, at, usual) for at in range(len(metrics))))
+    rows: list[tuple[Cell, ...]] = [
+        (*group.cells, group.ok, *(_mean(group, at, group.ok) for at in range(len(metrics))))
         for group in groups
     ]
-    header = (axes[0], *metrics)
-    return [PlainTable(f"means over {usual:,} runs", header, rows, _texts(query), (axes[0],))]
+    header = (axes[0], "runs", *metrics)
+    return [PlainTable("means over the runs", header, rows, _texts(query), (axes[0],))]
 
 
 def sensitivity_rows(found: Sensitivities) -> PlainTable:
@@ -84,22 +80,24 @@ def sensitivity_rows(found: Sensitivities) -> PlainTable:
 def _across(
     query: Query, groups: Sequence[Group], axes: Sequence[str], at: int, metric: str
 ) -> PlainTable:
-    usual = max((group.counts[at] for group in groups), default=0)
     columns = list(dict.fromkeys(group.cells[-1] for group in groups))
     ordered = [cell for (cell,) in (group.cells for group in query.groups([axes[-1]], []))]
     columns.sort(key=ordered.index)
+    counts = {group.counts[at] for group in groups}
+    same = min(counts) if len(counts) == 1 else -1
+    over = f"over {same:,} runs" if same >= 0 else "(runs)"
     rows: dict[tuple[Cell, ...], dict[Cell, Cell]] = {}
     for group in groups:
-        rows.setdefault(group.cells[:-1], {})[group.cells[-1]] = _mean(group, at, usual)
+        rows.setdefault(group.cells[:-1], {})[group.cells[-1]] = _mean(group, at, same)
     header = (*axes[:-1], *(f"{axes[-1]}={_name(cell)}" for cell in columns))
     table = [(*cells, *(row.get(cell) for cell in columns)) for cells, row in rows.items()]
-    title = f"{metric}, {find_metric(metric).unit}: means over {usual:,} runs"
+    title = f"{metric}, {find_metric(metric).unit}: means {over}"
     return PlainTable(title, header, table, _texts(query), tuple(axes))
 
 
-def _mean(group: Group, at: int, usual: int) -> Cell:
+def _mean(group: Group, at: int, expected: int) -> Cell:
     mean, count = group.means[at], group.counts[at]
-    return mean if count in (0, usual) else f"{format_value(mean)} ({count:,})"
+    return mean if count in (0, expected) else f"{format_value(mean)} ({count:,})"
 
 
 def _name(cell: Cell) -> str:
