@@ -9,6 +9,7 @@ import gc
 import os
 import signal
 import struct
+import subprocess
 import sys
 import threading
 import time
@@ -65,7 +66,11 @@ def announces_much(policy: Any) -> None:
 @hostile("its process sent what is no result$")
 def results_in_nonsense(policy: Any) -> None:
     """Have the code that scores it return something else."""
-    vars(score)["find_steps"] = lambda _: "nonsense"
+
+    def find_nothing(_: Any) -> str:
+        return "nonsense"
+
+    score.__dict__["find_steps"] = find_nothing
 
 
 @hostile("TypeError: expected numbers, text and arrays, got Rogue$")
@@ -76,7 +81,10 @@ def results_in_code(policy: Any) -> None:
         def __reduce__(self) -> Any:
             return os.abort, ()
 
-    vars(score)["Scored"] = lambda *_: Rogue()
+    def make_rogue(*_: Any) -> Any:
+        return Rogue()
+
+    score.__dict__["Scored"] = make_rogue
 
 
 # What others share with it.
@@ -161,7 +169,7 @@ def prints(policy: Any) -> None:
     print("to stderr", file=sys.stderr)
     os.write(1, b'{"schema": "mine"}\n' * 100_000)
     os.write(2, b"by number\n")
-    os.system("echo from a shell")
+    subprocess.run(["echo", "from a program"], check=True)
 
 
 @hostile(None)
