@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Exit, Option
 
 from .shared import options
+from .shared.progress import progress_bar
 from .shared.terminal import print_record, print_result
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
@@ -106,7 +107,8 @@ def check(
             scheduler=scheduler,
         )
         prepare_engine(scheduler)
-        conditions, measured = measure_plan(plan, sampling)
+        with progress_bar("replay") as progress:
+            conditions, measured = measure_plan(plan, sampling, progress)
     if update_baseline:
         _update(baseline, chosen, conditions, measured, as_json=as_json)
         return

@@ -1,11 +1,10 @@
 """`lodbench compare`: replay policies in one world and score them on the same footing."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from typer import Exit, Option
 
-from ..base.errors import InputError
 from .shared import options
 from .shared.progress import progress_bar
 from .shared.terminal import (
@@ -15,10 +14,6 @@ from .shared.terminal import (
     print_record,
     table_console,
 )
-
-if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
-    from ..models.machine.hardware import HardwareProfile
-    from ..sim.faults import Faults
 
 Policies = Annotated[
     list[str] | None,
@@ -84,15 +79,16 @@ def compare(
     from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import load_trace
+    from ..analysis.study.inputs import adjust_machine, load_trace
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import default_policies, parse_policy
+    from ..sim.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
     limits = make_limits(policy_timeout, policy_memory)
     with claimed_target(out) as target:
         prepare_engine(scheduler)
-        profile = _adjusted(load_hardware(hardware), display, refresh_hz, frames_in_flight)
+        profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or default_policies()]
         path = load_trace(trace, world, place)
@@ -103,7 +99,7 @@ def compare(
             fovy_deg=fovy_deg,
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
-            faults=_parse_faults(faults),
+            faults=parse_faults(faults),
         )
         scoring = study.CompareOptions(
             warmup=warmup,
@@ -128,43 +124,3 @@ def compare(
         print(f"report: {out / 'report.html'}")
     if comparison.failed:
         raise Exit(1)
-
-
-def _adjusted(
-    profile: "HardwareProfile",
-    display: str | None,
-    refresh_hz: float | None,
-    frames_in_flight: int | None,
-) -> "HardwareProfile":
-    """Return the profile with what the user wants otherwise."""
-    from dataclasses import replace
-    from typing import Any
-
-    wanted: dict[str, Any] = {"mode": display, "refresh_hz": refresh_hz}
-    changes = {key: value for key, value in wanted.items() if value is not None}
-    if refresh_hz is not None and refresh_hz > 0.0:  # a slower display's range goes with it
-        changes["vrr_min_hz"] = min(profile.display.vrr_min_hz, refresh_hz)
-    in_flight = profile.frames_in_flight if frames_in_flight is None else frames_in_flight
-    screen = replace(profile.display, **changes)
-    return replace(profile, display=screen, frames_in_flight=in_flight)
-
-
-def _parse_faults(text: str) -> "Faults":
-    """Return the faults that ``kind=number,kind=number`` names."""
-    from dataclasses import fields
-
-    from ..sim.faults import Faults
-
-    kinds = [field.name for field in fields(Faults)]
-    numbers: dict[str, float] = {}
-    for item in filter(None, text.split(",")):
-        kind, _, number = item.partition("=")
-        try:
-            numbers[kind] = float(number)
-        except ValueError:
-            kind = ""
-        if kind not in kinds:
-            raise InputError(
-                f"--faults: expected KIND=NUMBER with a kind of {', '.join(kinds)}, got {item}"
-            )
-    return Faults(**numbers)

@@ -125,7 +125,7 @@ def fit(
     base = None if onto is None else load_hardware(onto)
     _check_outputs(terms, time, out, plots, resume)
     transfer = [Source.read(log_path(name), columns, log_format).log for name in predict or ()]
-    with progress_bar("sample") as progress:
+    with progress_bar("sample", "steps") as progress:
         result = fit_logs(
             sources, time, settings, transfer=transfer, resume=resume, progress=progress
         )

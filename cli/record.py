@@ -84,7 +84,7 @@ def record(
     with (
         image_folder(images, image_every) as pictures,
         open_recorder(opened, drawing, parse_size(size)) as recorder,
-        progress_bar("record") as progress,
+        progress_bar("record", "steps") as progress,
     ):
         recorded = recorder.record(
             policy, path, profile, replay, pictures=pictures, progress=progress

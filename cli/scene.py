@@ -127,9 +127,8 @@ def _read_types(
     from ..models.meshes.mesh_types import read_types
 
     models: list[TypeModel] = []
-    with progress_bar("levels of detail") as progress:
+    with progress_bar("levels of detail", "meshes") as progress:
         for model in read_types(meshes, units, detail, Sampling()):
             models.append(model)
-            if progress is not None:
-                progress(len(models), len(meshes))
+            progress(len(models), len(meshes))
     return models

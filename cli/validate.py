@@ -126,7 +126,7 @@ def validate(
             backend=backend, instancing=instancing, repeats=repeats, threads=threads
         )
         if recorded is None:
-            with progress_bar("record") as progress:
+            with progress_bar("record", "steps") as progress:
                 recordings = replays.record_all(
                     labels, opened, path, profile, replay, drawing, passes, progress
                 )
@@ -136,9 +136,10 @@ def validate(
         measured = {
             label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
         }
-        comparison, pairs = replays.simulate_all(
-            labels, opened, path, profile, replay, scoring, measured
-        )
+        with progress_bar("simulate") as progress:
+            comparison, pairs = replays.simulate_all(
+                labels, opened, path, profile, replay, scoring, measured, progress
+            )
         log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
         validation = compare_sides(comparison, pairs, profile, log)
         kept = recorded or recordings

@@ -94,6 +94,25 @@ def policy_text(name: str, params: Mapping[str, object]) -> str:
     return f"{name}:{','.join(words)}" if words else name
 
 
+def vary_policy(spec: PolicySpec, params: Mapping[str, object]) -> PolicySpec:
+    """Return a policy with other parameters, labelled as a command line would name it.
+
+    Raises `InputError` if a parameter is unknown (the nearest is suggested), a value does not
+    convert, or the policy is an object, whose parameters are what they are.
+    """
+    if spec.made is not None:
+        raise InputError(f"policy {spec.label}: expected a name or a class to vary, got an object")
+    known = {parameter.name: parameter for parameter in parameters(spec.cls)}
+    changed = dict(spec.params)
+    for key, value in params.items():
+        if key not in known:
+            raise InputError(f"policy {spec.label}: {unknown_name(key, sorted(known))}")
+        changed[key] = _convert(str(_word(value)), known[key], spec.label)
+    shown = ",".join(f"{key}={_word(changed[key])}" for key in params)
+    comma = "," if spec.params else ":"
+    return replace(spec, label=f"{spec.label}{comma}{shown}", params=changed)
+
+
 def spec_of(policy: PolicyLike, label: str | None = None) -> PolicySpec:
     """Return how to make a policy that is given by name, as a class or as an object.
 

@@ -5,7 +5,7 @@ Users report timers that lose a frame, read zero after a stall, repeat an old va
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from ..base.errors import InputError
 
@@ -48,3 +48,23 @@ class Faults:
         cpu_ms, gpu_ms, work_ms = times_ms
         limit_ms = self.saturated_ms
         return (min(cpu_ms, limit_ms), min(gpu_ms, limit_ms), min(work_ms, limit_ms))
+
+
+def parse_faults(text: str) -> Faults:
+    """Return the faults that ``kind=number,kind=number`` names; none for an empty text.
+
+    Raises `InputError` if a kind is unknown or a number is none, or out of range.
+    """
+    kinds = [field.name for field in fields(Faults)]
+    numbers: dict[str, float] = {}
+    for item in filter(None, text.split(",")):
+        kind, _, number = item.partition("=")
+        try:
+            numbers[kind] = float(number)
+        except ValueError:
+            kind = ""
+        if kind not in kinds:
+            raise InputError(
+                f"faults: expected KIND=NUMBER with a kind of {', '.join(kinds)}, got {item}"
+            )
+    return Faults(**numbers)

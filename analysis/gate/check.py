@@ -9,6 +9,7 @@ from ...base.errors import InputError
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.replay import ReplayOptions
 from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
+from ..study.runs import Progress
 from ..study.score import World
 from .baseline import read_baseline
 from .check_result import CheckReport, judge_all
@@ -42,7 +43,7 @@ class CheckPlan:
 
 
 def measure_plan(
-    plan: CheckPlan, sampling: MeasureOptions
+    plan: CheckPlan, sampling: MeasureOptions, progress: Progress | None = None
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay a plan.
 
@@ -62,9 +63,15 @@ def measure_plan(
         if names in results:
             raise InputError(f"expected scenes and traces of different names, got {names} twice")
         world = World(scene, trace, profile, options, plan.warmup)
-        results[names] = measure(specs, world, sampling)
+        share = progress and _share(progress, len(results), len(plan.scenes) * len(plan.traces))
+        results[names] = measure(specs, world, sampling, share)
     conditions = next(iter(results.values()))[0]
     return conditions, [item for _, measured in results.values() for item in measured]
+
+
+def _share(progress: Progress, before: int, worlds: int) -> Progress:
+    """Return the progress of one of several worlds, all of which have as many replays."""
+    return lambda done, total: progress(before * total + done, worlds * total)
 
 
 def judge_measured(

@@ -20,7 +20,7 @@ from ..metrics.metric_registry import METRICS
 from ..study.comparison import Score
 from ..study.comparison_folder import read_results
 from ..study.engine.limits import DEFAULT_LIMITS, Limits
-from ..study.runs import Runs, choose_draws, run_policies
+from ..study.runs import Progress, Runs, choose_draws, run_policies
 from ..study.score import Scored, World, resample
 from ..verdict.uncertainty import Pool, interval
 
@@ -106,7 +106,10 @@ class MeasuredPolicy:
 
 
 def measure(
-    policies: Sequence[PolicySpec], world: World, sampling: MeasureOptions
+    policies: Sequence[PolicySpec],
+    world: World,
+    sampling: MeasureOptions,
+    progress: Progress | None = None,
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay each policy under successive seeds, from the one of the world's options on.
 
@@ -124,6 +127,7 @@ def measure(
         draws,
         resamples,
         sampling.workers,
+        progress,
         limits=sampling.policy_limits,
         scheduler=sampling.scheduler,
     )

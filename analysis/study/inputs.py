@@ -1,10 +1,11 @@
 """What is replayed, by name, by file, or as it is; traces are placed into their scene."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 from ...base.errors import InputError, text_of
 from ...base.nearest_names import unknown_name
@@ -53,11 +54,17 @@ def as_hardware(hardware: HardwareLike) -> HardwareProfile:
     return load_hardware(hardware)
 
 
-def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:
+def load_trace(
+    name_or_path: TraceLike,
+    scene: SceneLike,
+    place: str = "shrink",
+    *,
+    read: Callable[[str], CameraTrace] = read_trace,
+) -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
     A trace is returned as it is.  `place` is one of `Placing`.  Bundled scenes have ways and speeds
-    of their own, see `stages`.
+    of their own, see `stages`.  `read` reads a file.
 
     Raises `InputError` if a name is unknown, or the file cannot be read or placed.
     """
@@ -74,7 +81,7 @@ def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink")
     if not _names_a_file(spec):
         names = [BUNDLED_TRACE, *KINDS]
         raise InputError(f"trace: {unknown_name(spec, names, instead='a file')}")
-    trace = read_trace(spec)
+    trace = read(spec)
     if place == "none":
         return trace
     ground = stage.ground_m
@@ -88,6 +95,25 @@ def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink")
     if placement.scale == 1.0:
         return placed
     return replace(placed, name=f"{trace.name} at scale {placement.scale:.3g}")
+
+
+def adjust_machine(
+    profile: HardwareProfile,
+    display: str | None,
+    refresh_hz: float | None,
+    frames_in_flight: int | None,
+) -> HardwareProfile:
+    """Return a profile with what is wanted otherwise; None leaves it as it is.
+
+    Raises `InputError` if the display or the pipeline cannot be so.
+    """
+    wanted: dict[str, Any] = {"mode": display, "refresh_hz": refresh_hz}
+    changes = {key: value for key, value in wanted.items() if value is not None}
+    if refresh_hz is not None and refresh_hz > 0.0:  # a slower display's range goes with it
+        changes["vrr_min_hz"] = min(profile.display.vrr_min_hz, refresh_hz)
+    in_flight = profile.frames_in_flight if frames_in_flight is None else frames_in_flight
+    screen = replace(profile.display, **changes)
+    return replace(profile, display=screen, frames_in_flight=in_flight)
 
 
 def _names_a_file(spec: str) -> bool:

@@ -40,13 +40,18 @@ class World:
 
     def require_scored_frames(self) -> None:
         """Raise `InputError` if every frame would be warm-up, whatever the policy."""
-        # A trace without duration is replayed for one frame.
-        frames = self.options.frames or (1 if self.trace.duration_s == 0.0 else None)
-        if frames is not None and frames <= self.warmup:
-            raise InputError(
-                f"frames: expected more than the {self.warmup} of warm-up, got {frames}; "
-                "give --frames more or --warmup less"
-            )
+        require_scored_frames(self.trace, self.options.frames, self.warmup)
+
+
+def require_scored_frames(trace: CameraTrace, frames: int | None, warmup: int) -> None:
+    """Raise `InputError` if every frame of a replay would be warm-up, whatever the policy."""
+    # A trace without duration is replayed for one frame.
+    frames = frames or (1 if trace.duration_s == 0.0 else None)
+    if frames is not None and frames <= warmup:
+        raise InputError(
+            f"frames: expected more than the {warmup} of warm-up, got {frames}; "
+            "take more frames or less warm-up"
+        )
 
 
 @dataclass(frozen=True, slots=True)

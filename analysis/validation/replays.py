@@ -64,13 +64,16 @@ def simulate_all(
     options: ReplayOptions,
     settings: CompareOptions,
     measured: Mapping[str, tuple[Measured, ...]],
+    progress: Progress | None = None,
 ) -> tuple[Comparison, dict[str, Pair]]:
     """Simulate what was recorded; return the comparison and both sides by label.
 
     Raises `InputError` if a policy cannot be simulated.
     """
     specs = [parse_policy(label) for label in labels]
-    comparison, logs = compare(specs, scene.scene, trace, hardware, options, settings)
+    comparison, logs = compare(
+        specs, scene.scene, trace, hardware, options, settings, progress=progress
+    )
     for policy in comparison.policies:
         if policy.status != "ok":
             raise InputError(f"{policy.label}: expected a policy that runs; {policy.reason}")

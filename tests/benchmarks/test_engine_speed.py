@@ -56,7 +56,7 @@ class Measured:
 
 def measure(workers: int) -> Measured:
     """Run 200 runs of four policies; starts of processes are left out."""
-    tasks = [Computes(OWNERS[i % len(OWNERS)], 16_000) for i in range(RUNS)]
+    tasks = [Computes(OWNERS[i % len(OWNERS)], 24_000) for i in range(RUNS)]
     with LocalEngine({}, workers) as engine:
         list(engine.run([Computes(owner, 1) for owner in OWNERS[:workers]]))
         began_s, own_s = time.perf_counter(), time.process_time()

@@ -33,14 +33,25 @@ def write_part(folder: Path, word: str, number: int, table: pa.Table) -> Part:
 
     Raises `InputError` as `write_whole`.
     """
-    sink = pa.BufferOutputStream()
-    # Only texts: a dictionary of numbers could make one of all NaN.
-    texts: Any = [name for name in table.column_names if table.field(name).type == pa.string()]
-    parquet.write_table(table, sink, compression="zstd", use_dictionary=texts)
-    content = sink.getvalue().to_pybytes()
+    content = _encoded(table)
     name = f"{word}-{number:05d}.parquet"
     write_whole(folder / PARTS / name, content)
     return Part(name, len(table), hash_bytes(content))
+
+
+def size_of(table: pa.Table) -> int:
+    """Return the bytes that a part of these rows would have."""
+    return len(_encoded(table))
+
+
+def _encoded(table: pa.Table) -> bytes:
+    """Return rows as the bytes of a Parquet file."""
+    sink = pa.BufferOutputStream()
+    # Only texts: a dictionary of numbers could make one of all NaN.
+    texts = [name for name in table.column_names if table.field(name).type == pa.string()]
+    options: dict[str, Any] = {"compression": "zstd", "use_dictionary": texts}
+    parquet.write_table(table, sink, **options)
+    return sink.getvalue().to_pybytes()
 
 
 def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) -> pa.Table:
@@ -60,6 +71,15 @@ def read_part(folder: Path, part: Part, columns: Sequence[str] | None = None) ->
     return parquet.read_table(
         reader, columns=None if columns is None else list(columns), use_threads=False
     )
+
+
+def column_names(folder: Path, part: Part) -> list[str]:
+    """Return the columns of a part by name; raises `InputError` if it is missing or damaged."""
+    path = folder / PARTS / part.file
+    try:
+        return list(parquet.read_schema(path).names)
+    except (OSError, pa.ArrowException) as error:
+        raise _damaged(path, "no columns") from error
 
 
 def number_of(part: Part) -> int:

@@ -184,7 +184,7 @@ def disturb(kind: str, victim: str, random: Random, place: Path, tally: Tally) -
 @pytest.mark.study
 @pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 @pytest.mark.parametrize("victim", KILLS)
-@pytest.mark.parametrize("kind", ["compare", "study"])
+@pytest.mark.parametrize("kind", ["compare", "sweep"])
 def test_a_killed_study_ends_as_one_that_was_not(
     kind: str, victim: str, tmp_path: Path, *, full_studies: bool
 ) -> None:

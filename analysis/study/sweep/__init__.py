@@ -1,0 +1,1 @@
+"""Studies as files: read from TOML, estimated, carried out, and shown."""
