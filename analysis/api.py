@@ -107,7 +107,8 @@ def compare(
     policy_timeout_s, policy_memory_bytes
         What a policy may take before it fails: see `Limits`.
     out
-        Folder for report.html, comparison.json and the frames of every policy.
+        Folder for report.html, comparison.json and the frames of every policy.  A comparison that
+        was stopped goes on, and one that the folder holds is not repeated.
     progress
         Called with the replays done and the replays in all.
 

@@ -59,7 +59,8 @@ class _Pickler(cloudpickle.Pickler):
             if not _can_be_imported(module) and sys.modules[module] not in self.by_value:
                 cloudpickle.register_pickle_by_value(sys.modules[module])
                 self.by_value.append(sys.modules[module])
-        return super().reducer_override(obj)
+        pickler: Any = super()  # an untyped library
+        return pickler.reducer_override(obj)
 
 
 @cache
@@ -68,18 +69,23 @@ def _can_be_imported(name: str) -> bool:
 
     A test module that pytest loaded from a file is not, though it has a name.
     """
-    module = sys.modules.get(name)
-    file = getattr(module, "__file__", None)
-    if module is None or name == "__main__" or file is None:
-        return True  # built in, or cloudpickle knows better
+    if name == "__main__" or name not in sys.modules:
+        return True  # cloudpickle knows better
     package, _, _ = name.rpartition(".")
     if package and not (package in sys.modules and _can_be_imported(package)):
         return False
-    path = sys.modules[package].__path__ if package else None
+    module = sys.modules[name]
+    path = getattr(sys.modules[package], "__path__", None) if package else None
     for finder in sys.meta_path:
         spec = finder.find_spec(name, path)
         if spec is not None:
-            return spec.origin == file
+            file = getattr(module, "__file__", None)
+            if file is not None:
+                return spec.origin == file
+            # A package without a file of its own, or built in.
+            return list(spec.submodule_search_locations or ()) == list(
+                getattr(module, "__path__", ())
+            )
     return False
 
 

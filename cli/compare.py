@@ -18,7 +18,8 @@ Out = Annotated[
     Option(
         metavar="DIR",
         help="Write report.html, comparison.json and frames/POLICY.parquet. "
-        "Only a folder that compare wrote is replaced.",
+        "Only a folder that compare wrote is replaced. The same command goes on where it was "
+        "stopped.",
     ),
 ]
 Wide = Annotated[bool, Option("--wide", help="Print every metric with its interval.")]

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 from io import TextIOWrapper
+from types import FrameType
 from typing import Annotated, Any
 
 import typer
@@ -76,7 +77,16 @@ class _LazyGroup(TyperGroup):
             raise typer.Exit(2) from error
         except KeyboardInterrupt as error:
             _print_error("interrupted: nothing more is written")
-            raise typer.Exit(130) from error
+            raise typer.Exit(143 if isinstance(error, _Terminated) else 130) from error
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM, which ends a command as Ctrl-C does: what it started is ended with it."""
+
+
+def _terminate(_number: int, _frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough
+    raise _Terminated
 
 
 def _print_error(line: str) -> None:
@@ -120,17 +130,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _end(number: int, _frame: object) -> None:
-    """End as Ctrl-C does, so that what is done is kept and what is not done is swept."""
-    raise SystemExit(128 + number)
-
-
 def main() -> None:
     """Run the command line and leave the process; a reader that closed the pipe ends it quietly."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # an ASCII or Latin-1 terminal gets ? for × and ·
             stream.reconfigure(errors="replace")
-    signal.signal(signal.SIGTERM, _end)
+    signal.signal(signal.SIGTERM, _terminate)
     code = run()
     try:
         sys.stdout.flush()

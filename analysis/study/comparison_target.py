@@ -41,8 +41,12 @@ def claimed_target(folder: Path | None) -> Generator["ComparisonTarget | None"]:
         target = ComparisonTarget(folder)
         try:
             yield target
-        except BaseException as error:
-            target.stop(hopeless=isinstance(error, InputError) and not target.is_writing)
+        except InputError:  # its one line is all that is told
+            target.stop()
+            raise
+        except BaseException:
+            if kept := target.stop():
+                print(f"{kept}; run the same command again to go on", file=sys.stderr)
             raise
         target.finish()
 
@@ -55,8 +59,6 @@ class ComparisonTarget:
     work : WorkFolder or None
         Where the results of its runs are kept; None if they are not: it has not begun, is done, or
         has a policy without content to tell it by.
-    is_writing : bool
-        Whether all runs are done.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -64,7 +66,6 @@ class ComparisonTarget:
         self._study: str | None = None
         self._holds = False
         self.work: WorkFolder | None = None
-        self.is_writing = False
 
     def begin(self, plan: Plan, limits: "Limits") -> tuple[Comparison, dict[str, FrameLog]] | None:
         """Return the comparison of these runs if the folder holds it; else be ready to work.
@@ -88,23 +89,14 @@ class ComparisonTarget:
 
     def write(self, comparison: Comparison, logs: dict[str, FrameLog]) -> None:
         """Put a comparison in place, unless it is there; raises `InputError` if it cannot be."""
-        self.is_writing = True
         if not self._holds:
             watch = None if self.work is None else self.work.watch
             write_results(self._folder, comparison, logs, study=self._study, watch=watch)
 
-    def stop(self, *, hopeless: bool) -> None:
-        """Keep the runs that are done, unless the study can never be."""
-        if self.work is None:
-            return
-        kept = self.work.close()
-        if hopeless or not kept:
-            remove_work(self._folder)
-            return
-        print(
-            f"{kept} of {len(self.work.runs)} runs are kept; run the same command again to go on",
-            file=sys.stderr,
-        )
+    def stop(self) -> str:
+        """Leave the runs that are done to the next start; return in words how many they are."""
+        kept = 0 if self.work is None else self.work.close()
+        return f"{kept} of {len(self.work.runs)} runs are kept" if self.work and kept else ""
 
     def finish(self) -> None:
         """Remove what was kept: the comparison is in place."""

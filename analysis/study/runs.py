@@ -152,6 +152,8 @@ def carry_out(
                 progress(len(results) if work is None else work.durable, len(plan.runs))
     if work is not None:
         work.flush()
+        if progress is not None:
+            progress(work.durable, len(plan.runs))
     return _by_policy(plan.runs, results)
 
 

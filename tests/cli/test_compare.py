@@ -1,6 +1,8 @@
 """The commands `compare` and `report`, as a user types them."""
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -66,6 +68,22 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
         "run-info.json",
     }
     assert [path.name for path in (out / "frames").iterdir()] == ["full.parquet"]
+
+
+def test_a_full_disk_keeps_no_scores_back(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The table is printed, one line says why nothing is written, and the exit code is 2."""
+
+    def refuse(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", refuse)
+    assert run([*SHORT, "--policy", "static-screen", "--out", str(tmp_path / "run")]) == 2
+    out, err = capsys.readouterr()
+    assert "static-screen" in out
+    assert err.splitlines()[-1].endswith("got No space left on device; check the folder")
+    assert not list(tmp_path.iterdir())
 
 
 def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,6 +18,12 @@ from .record import SCHEMA
 
 MANIFEST = "manifest.json"
 PARTS = "parts"
+OURS = (
+    r"manifest\.json|run-info\.json|frames(/([0-9a-f]+\.parquet|\.lodbench-.*))?"
+    r"|parts(/((early|part)-\d+\.parquet|\.lodbench-.*))?"
+)
+"""The names in a folder of results, with those of what a killed process was writing."""
+
 _ADVICE = "name a folder of results, or run the study again"
 
 

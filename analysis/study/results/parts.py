@@ -33,11 +33,7 @@ def write_part(folder: Path, word: str, number: int, table: pa.Table) -> Part:
 
     Raises `InputError` as `write_whole`.
     """
-    sink = pa.BufferOutputStream()
-    # Only texts: a dictionary of numbers could make one of all NaN.
-    texts: Any = [name for name in table.column_names if table.field(name).type == pa.string()]
-    parquet.write_table(table, sink, compression="zstd", use_dictionary=texts)
-    content = sink.getvalue().to_pybytes()
+    content = _encoded(table)
     name = f"{word}-{number:05d}.parquet"
     write_whole(folder / PARTS / name, content)
     return Part(name, len(table), hash_bytes(content))
@@ -49,10 +45,12 @@ def size_of(table: pa.Table) -> int:
 
 
 def _encoded(table: pa.Table) -> bytes:
+    """Return rows as the bytes of a Parquet file."""
     sink = pa.BufferOutputStream()
-    texts = [field.name for field in table.schema if field.type == pa.string()]
-    # Only texts: a dictionary of numbers would make one of all NaN.
-    parquet.write_table(table, sink, compression="zstd", use_dictionary=texts)
+    # Only texts: a dictionary of numbers could make one of all NaN.
+    texts = [name for name in table.column_names if table.field(name).type == pa.string()]
+    options: dict[str, Any] = {"compression": "zstd", "use_dictionary": texts}
+    parquet.write_table(table, sink, **options)
     return sink.getvalue().to_pybytes()
 
 

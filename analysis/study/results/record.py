@@ -6,11 +6,12 @@ day, or the time that anything took.
 """
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from numbers import Integral, Real
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import msgspec
 import numpy as np
@@ -173,11 +174,13 @@ def _about(runs: "RunList", entries: Sequence[Entry]) -> dict[str, list[Any]]:
     for name in ("scene", "trace", "hardware"):
         columns[name] = [runs.names[digest] for digest in columns[f"{name}_hash"]]
     columns["digest"] = [runs.digests[entry.at] for entry in entries]
+    for name in ("policy", "policy_name"):
+        columns[name] = [_text(value) for value in columns[name]]
     columns["params"] = [_json(run.policy.params) for run in which]
     columns["options"] = [_options(run) for run in which]
     columns["seed"] = [seed if seed < 1 << 63 else None for seed in columns["seed"]]
     columns["status"] = ["ok" if one is None else one.kind for one in failures]
-    columns["reason"] = [None if one is None else one.reason for one in failures]
+    columns["reason"] = [None if one is None else _text(one.reason) for one in failures]
     columns["frame"] = [None if one is None else one.frame for one in failures]
     columns["frames"] = [
         result.frames if isinstance(result, Scored) else None for result in results
@@ -207,8 +210,22 @@ def _options(run: Any) -> str:
 def _json(value: object) -> str:
     """Return JSON of plain values; of others what they show themselves as."""
     # Not msgspec's, which refuses whole numbers of more than 64 bits, as a seed may be.
-    plain = msgspec.to_builtins(value, enc_hook=repr)
-    return json.dumps(plain, separators=(",", ":"), ensure_ascii=False)
+    plain = _finite(msgspec.to_builtins(value, enc_hook=repr))
+    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    """Return plain values with texts for the numbers that JSON does not have."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in cast("dict[str, Any]", value).items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in cast("list[Any]", value)]
+    return repr(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _text(value: str) -> str:
+    """Return a text without what UTF-8 has no bytes for, such as a lone half of a pair."""
+    return value.encode("utf-8", "backslashreplace").decode()
 
 
 def _kind_of(values: Sequence[AxisValue]) -> pa.DataType:

@@ -9,7 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from ....base.errors import InputError
-from ....base.scratch import sweep
+from ....base.scratch import flush_names, sweep
 from .frame_logs import is_sound, sweep_logs
 from .manifest import PARTS, Manifest, Part, is_later, read_manifest, write_manifest
 from .parts import EARLY, NAME, number_of, read_part, write_part
@@ -41,6 +41,7 @@ def recover(folder: Path, runs: RunList, *, replaces: bool) -> Recovered:
     Raises `InputError` if the folder holds another study, unless `replaces`, or cannot be written.
     """
     (folder / PARTS).mkdir(parents=True, exist_ok=True)
+    flush_names(folder.parent)  # or the power could take the whole folder with it
     sweep(folder)
     manifest = _find_manifest(folder, runs, replaces=replaces)
     if manifest is None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ....base.errors import InputError
 from ....base.folder_lock import lock_path
 from ..engine.task import Failure, Outcome
+from .manifest import PARTS
 from .run_info import Stopwatch
 from .run_list import RunList
 from .store import ResultStore
@@ -80,12 +81,17 @@ class WorkFolder:
                 self._give_up()
 
     def close(self) -> int:
-        """Put all that was added on the disk, and return the number of results that are kept."""
+        """Put all that was added on the disk, and return the number of results that are kept.
+
+        A folder without any is removed.
+        """
         if self._store is not None:
             with suppress(InputError, OSError):
                 self._store.close()
                 self.watch.write(self._path)
             self._give_up()
+        if not any(self._path.glob(f"{PARTS}/*.parquet")):
+            shutil.rmtree(self._path, ignore_errors=True)
         return self._kept
 
     def _give_up(self) -> None:

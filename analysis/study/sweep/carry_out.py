@@ -7,16 +7,13 @@ from pathlib import Path
 from ....base.errors import InputError
 from ....base.whole_folder import claimed_folder
 from ..engine.task import Engine
-from ..results.manifest import MANIFEST, PARTS, read_manifest
+from ..results.manifest import OURS, read_manifest
 from ..results.record import Entry, encode
-from ..results.run_info import RUN_INFO, Stopwatch
+from ..results.run_info import Stopwatch
 from ..results.run_list import RunList
 from ..results.store import ResultStore
 from ..runs import Progress
 from .study_results import StudyResults, read_study_results, results_of
-
-OURS = rf"{MANIFEST}|{RUN_INFO}|{PARTS}(/.*\.parquet)?"
-"""What a folder of results holds."""
 
 
 def check_folder(folder: Path) -> None:

@@ -1,35 +1,32 @@
 """A study in a process of its own, to be killed: ``kill_program.py KIND FOLDER [STEP]``.
 
 Its file-system steps are counted, and it kills itself before one of them if that is asked for.  It
-prints a line of JSON at its begin, after each result, and at its end.
+prints a line of JSON at its begin, after each result, when all are durable, and at its end.
 """
 
 import json
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import lodbench
-from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study import comparison_folder
+from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.results import commit, parts, store
-from lodbench.analysis.study.results.run_list import RunList
-from lodbench.analysis.study.run import Run
+from lodbench.analysis.study.study import Study
 from lodbench.base import whole_folder
-from lodbench.base.content_hash import content_hash
-from lodbench.base.folder_lock import locked
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
 from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import ObjectTypes, Scene
-from lodbench.policies.registry import parse_policy
-from lodbench.sim.replay import ReplayOptions
+from lodbench.sim.frame_log import FrameLog
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 POLICIES = ("full", "static-screen", "feedback")
@@ -77,6 +74,11 @@ def say(**line: object) -> None:
     os.write(1, json.dumps(line).encode() + b"\n")
 
 
+def say_progress(done: int, total: int) -> None:
+    """Say how many results are durable: after each that comes, and once more when all are."""
+    say(done=done, of=total)
+
+
 def build_world() -> tuple[Scene, CameraTrace, HardwareProfile]:
     """Return twelve objects, a look at them for two seconds, and a machine with two draws."""
     counts = np.zeros((3, len(LEVEL_PREDICTORS)))
@@ -114,8 +116,17 @@ def build_world() -> tuple[Scene, CameraTrace, HardwareProfile]:
     return scene, trace, hardware
 
 
+def draw_line(comparison: Comparison, _: Mapping[str, FrameLog]) -> str:
+    """Return a page of a line."""
+    return repr(comparison)
+
+
 def compare(folder: Path) -> None:
-    """Compare three policies under three machines: nine runs, then report and frame logs."""
+    """Compare three policies under three machines: nine runs, then report and frame logs.
+
+    The page is a line, as drawing one takes longer than all the rest.
+    """
+    comparison_folder.render_report = draw_line
     scene, trace, hardware = build_world()
     lodbench.compare(
         list(POLICIES),
@@ -128,43 +139,28 @@ def compare(folder: Path) -> None:
         resamples=10,
         workers=2,
         out=folder / "run",
-        progress=lambda done, total: say(done=done, of=total),
+        progress=say_progress,
     )
 
 
-def study(folder: Path) -> None:
+def sweep(folder: Path) -> None:
     """Carry out 36 runs, with small groups and parts, so that files are merged and split."""
     commit.GROUP, commit.HOLD_S, parts.FAN, store.ROWS = 3, 0.02, 3, 10
-    world = build_world()
-    inputs = {content_hash(value): value for value in world}
-    scene, trace, hardware = inputs
-    runs = RunList(
-        tuple(
-            Run(
-                parse_policy(policy),
-                scene,
-                trace,
-                hardware,
-                ReplayOptions(budget_ms=8.0, seed=seed),
-                warmup=10,
-            )
-            for seed in range(12)
-            for policy in POLICIES
-        ),
-        {digest: value.name for digest, value in inputs.items()},
+    scene, trace, hardware = build_world()
+    study = Study(
+        POLICIES,
+        scenes=scene,
+        traces=trace,
+        hardware=hardware,
+        budget_ms=(6.0, 8.0),
+        seeds=6,
+        draws=0,
+        warmup=10,
     )
-    target = folder / "run"
-    target.parent.mkdir(exist_ok=True)
-    with locked(target), store.ResultStore.open(target, runs) as results:
-        missing = results.missing
-        with LocalEngine(inputs, 2) as engine:
-            for outcome in engine.run([runs.runs[at] for at in missing], stop=False):
-                results.add(missing[outcome.index], outcome)
-                say(done=results.durable, of=len(runs))
-        results.finish()
+    study.run(out=folder / "run", workers=2, progress=say_progress)
 
 
-KINDS: dict[str, Callable[[Path], None]] = {"compare": compare, "study": study}
+KINDS: dict[str, Callable[[Path], None]] = {"compare": compare, "sweep": sweep}
 
 
 def main() -> None:

@@ -105,6 +105,7 @@ def test_rows_say_what_was_run(make_runs: MakeRuns, make_scored: Callable[..., S
     }
     options = json.loads(row["options"])
     assert (options["seed"], options["warmup"], options["faults"]["missing"]) == (1, 2, 0.0)
+    assert options["faults"]["saturated_ms"] == "inf"  # JSON has no number for it
     assert (row["status"], row["reason"], row["frame"], row["frames"]) == ("ok", None, None, 34)
 
 
@@ -169,6 +170,12 @@ def test_seeds_of_any_size_are_kept(
     (row,) = encode(RunList((large,), runs.names), [Entry(0, make_scored(0))]).to_pylist()
     assert row["seed"] is None
     assert json.loads(row["options"])["seed"] == 10**30
+
+
+def test_text_that_no_file_can_hold_is_written_all_the_same(make_runs: MakeRuns) -> None:
+    """What a policy raises may have half a character in it."""
+    row = encode(make_runs(1), [Entry(0, Failure("failed", "half \ud83d", 3))]).to_pylist()[0]
+    assert row["reason"] == "half \\ud83d"
 
 
 def test_no_rows_have_the_columns_all_the_same(make_runs: MakeRuns, tmp_path: Any) -> None:
