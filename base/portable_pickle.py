@@ -59,7 +59,8 @@ class _Pickler(cloudpickle.Pickler):
             if not _can_be_imported(module) and sys.modules[module] not in self.by_value:
                 cloudpickle.register_pickle_by_value(sys.modules[module])
                 self.by_value.append(sys.modules[module])
-        return super().reducer_override(obj)
+        pickler: Any = super()  # an untyped library
+        return pickler.reducer_override(obj)
 
 
 @cache

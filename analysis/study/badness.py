@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from ...base.content_hash import content_hash
 from ...base.errors import InputError, PolicyError
@@ -66,7 +66,7 @@ class PathRun:
     badness: Badness
     warmup: int
 
-    result_type: ClassVar[type] = float
+    result_type: ClassVar[Any] = float
 
     @property
     def owner(self) -> str:
@@ -106,11 +106,11 @@ def open_gauge(
     not fit the scene.
     """
     inputs = {content_hash(value): value for value in (scene, hardware)}
-    names = tuple(inputs)
+    scene_hash, hardware_hash = inputs
     with open_engine(inputs, workers=1, limits=limits, scheduler=scheduler) as engine:
 
         def measure(trace: CameraTrace) -> float:
-            task = PathRun(spec, *names, trace, options, badness, warmup)
+            task = PathRun(spec, scene_hash, hardware_hash, trace, options, badness, warmup)
             (outcome,) = engine.run([task])
             failure = outcome.failure
             if failure is None:

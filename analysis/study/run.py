@@ -6,7 +6,7 @@ results that are years old.
 
 import hashlib
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...base.content_hash import SIZE_BYTES
 from ...policies.policy_spec import PolicySpec
@@ -47,7 +47,7 @@ class Run:
     resamples: int = 0
     keeps_log: bool = False
 
-    result_type: ClassVar[type] = Scored
+    result_type: ClassVar[Any] = Scored
 
     @property
     def owner(self) -> str:

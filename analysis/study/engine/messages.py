@@ -5,6 +5,7 @@ a policy could have written it: a reply is numbers, text and arrays, checked by 
 reading it runs none of its code.
 """
 
+import math
 import socket
 import struct
 from collections.abc import Iterator
@@ -57,13 +58,14 @@ class _Arrays:
         self.parts: list[Any] = []
         self.size = 0
 
-    def put(self, value: object) -> object:
+    def put(self, given: object) -> object:
         """Take an array out of a value; return what stands in its place."""
-        if isinstance(value, np.generic):
+        value: Any = given  # an untyped edge: what the checks find it to be
+        if isinstance(given, np.generic):
             return value.item()
-        if not isinstance(value, np.ndarray):
-            raise TypeError(f"expected numbers, text and arrays, got {type(value).__name__}")
-        array = np.ascontiguousarray(value)
+        if not isinstance(given, np.ndarray):
+            raise TypeError(f"expected numbers, text and arrays, got {type(given).__name__}")
+        array: Any = np.ascontiguousarray(value)
         about = msgspec.msgpack.encode((array.dtype.str, value.shape, self.size))
         pad = bytes(-array.nbytes % _ALIGNMENT)
         self.parts += [array.reshape(-1).view(np.uint8).data, pad]
@@ -82,20 +84,21 @@ def encode_reply(reply: Reply, value: object = None) -> list[Any]:
         reply.value = msgspec.Raw(encoder.encode(value))
     except OverflowError:  # a seed beyond 64 bits
         arrays = _Arrays()
-        plain = msgspec.to_builtins(value, enc_hook=lambda item: item, builtin_types=(np.ndarray,))
+        plain: Any = msgspec.to_builtins(value, builtin_types=(np.ndarray, np.generic))
         encoder = msgspec.msgpack.Encoder(enc_hook=arrays.put)
         reply.value = msgspec.Raw(encoder.encode(_short(plain)))
     head = msgspec.msgpack.encode(reply)
     return [_HEADER.pack(_MAGIC, len(head), arrays.size), *arrays.parts, head]
 
 
-def _short(value: Any) -> Any:
+def _short(given: object) -> Any:
     """Return a value in which whole numbers of more than 64 bits are text, as the decoder reads."""
-    if isinstance(value, int) and not -(2**63) <= value < 2**64:
-        return str(value)
-    if isinstance(value, dict):
+    value: Any = given
+    if isinstance(given, int) and not -(2**63) <= given < 2**64:
+        return str(given)
+    if isinstance(given, dict):
         return {key: _short(item) for key, item in value.items()}
-    return [_short(item) for item in value] if isinstance(value, (list, tuple)) else value
+    return [_short(item) for item in value] if isinstance(given, (list, tuple)) else value
 
 
 class Message:
@@ -118,10 +121,9 @@ class Message:
                 raise GarbledError
             name, shape, offset = msgspec.msgpack.decode(about, type=tuple[str, list[int], int])
             dtype = np.dtype(name)
-            if dtype.kind not in "biuf":
+            if dtype.kind not in "biuf" or min((offset, *shape)) < 0:
                 raise GarbledError
-            count = int(np.prod(shape, dtype=object))
-            return np.frombuffer(self._body, dtype, count, offset).reshape(shape)
+            return np.frombuffer(self._body, dtype, math.prod(shape), offset).reshape(shape)
 
         decoder = msgspec.msgpack.Decoder(kind, ext_hook=array, strict=False)
         return decoder.decode(self.reply.value)
@@ -172,7 +174,7 @@ class Inbox:
         if magic != _MAGIC or not fits:
             raise GarbledError
         # Not filled: memory that a policy announces and never sends is never used.
-        self._data = memoryview(np.empty(head_bytes + body_bytes, dtype=np.uint8))
+        self._data = np.empty(head_bytes + body_bytes, dtype=np.uint8).data
         self._at, self._body_bytes = 0, body_bytes
         return None
 

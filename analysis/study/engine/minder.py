@@ -12,6 +12,7 @@ import socket
 import struct
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import Any, NoReturn
 
 from .worker import work
@@ -42,7 +43,7 @@ def mind(control: socket.socket, channel: socket.socket, inputs: int, heart: int
     for end in (wake, woken):
         os.set_blocking(end, False)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
-    signal.signal(signal.SIGCHLD, lambda *_: None)
+    signal.signal(signal.SIGCHLD, _wake)
     printed, prints = os.pipe()
     minder = os.getpid()
     try:
@@ -68,6 +69,10 @@ def mind(control: socket.socket, channel: socket.socket, inputs: int, heart: int
         control.sendall(ENDED.pack(status) + text)
     finally:
         os._exit(0)
+
+
+def _wake(_number: int, _frame: FrameType | None) -> None:
+    """Do nothing: that there is a handler has the system write to what is waited for."""
 
 
 def _settle(minder: int, prints: int) -> None:

@@ -60,6 +60,8 @@ class Schedule:
 
     def finish(self, outcome: Outcome) -> list[Outcome]:
         """Take an outcome; return those that may now be told."""
+        if not self.wants(outcome.index):  # it was under way when an earlier one failed
+            return []
         owner = self._owners[outcome.index]
         untold = self._untold[owner]
         if not self._stop:

@@ -6,7 +6,7 @@ anywhere, at any time and more than once: its result does not depend on that.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, Self, TypeAlias
+from typing import Any, ClassVar, Literal, Protocol, Self, TypeAlias
 
 Beat: TypeAlias = Callable[[int], None]
 """Called with the number of the frame that a task begins, so that a watcher knows that it lives."""
@@ -16,20 +16,21 @@ Inputs: TypeAlias = Mapping[str, Any]
 
 
 class Task(Protocol):
-    """One piece of a study."""
+    """One piece of a study.
+
+    Attributes
+    ----------
+    result_type : type
+        Of the result, as msgspec decodes it: numbers, text, arrays, and records of these.  Results
+        come from processes that ran a user's code.  They travel as data, and what does not fit
+        this type is a failure.
+    """
+
+    result_type: ClassVar[Any]
 
     @property
     def owner(self) -> str:
         """Who is to blame for a failure: tasks of two owners never share a process."""
-        ...
-
-    @property
-    def result_type(self) -> Any:
-        """The type of the result, as msgspec decodes it: numbers, text, arrays, records of these.
-
-        Results come from processes that ran a user's code.  They travel as data and are held
-        against this type; what does not fit it is a failure.
-        """
         ...
 
     def __call__(self, inputs: Inputs, beat: Beat) -> Any:

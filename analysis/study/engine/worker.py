@@ -115,24 +115,29 @@ class _Session:
     def _carry_out(self, index: int, data: memoryview) -> list[Any]:
         """Carry out one task and return the message of how it ended."""
         start = time.monotonic()
-
-        def reply(kind: str, **more: Any) -> Reply:
-            usage = resource.getrusage(resource.RUSAGE_SELF)
-            about = {"took_s": time.monotonic() - start, "peak_bytes": usage.ru_maxrss * _RSS_UNIT}
-            return Reply(index, kind, **({"frame": frame_of(self._frame)} | more | about))
-
+        value: object = None
         try:
-            try:
-                task: Task = pickle.loads(data)  # noqa: S301 - from the parent process
-            except InputError:  # a user's file that has gone or changed
-                raise
-            except BaseException as error:  # noqa: BLE001 - whatever the state of a user's object raises
-                return encode_reply(reply("failed", reason=f"its class: {describe(error)}"))
-            value = task(self._inputs, self.beat)
-            return encode_reply(reply("result"), value)
+            value = self._load(data)(self._inputs, self.beat)
+            reply = Reply(index, "result")
         except BaseException as error:  # noqa: BLE001 - it is the policy's own failure
             sys.setrecursionlimit(_RECURSION)  # a policy may have left next to nothing
-            return encode_reply(reply(**_end_of(error)))
+            reply = _reply_to(index, error, self._frame)
+        reply.took_s = time.monotonic() - start
+        reply.peak_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _RSS_UNIT
+        if reply.kind == "result":
+            reply.frame = frame_of(self._frame)
+        try:
+            return encode_reply(reply, value)
+        except BaseException as error:  # noqa: BLE001 - as above
+            return encode_reply(_reply_to(index, error, self._frame))
+
+    def _load(self, data: memoryview) -> Task:
+        try:
+            return pickle.loads(data)  # noqa: S301 - from the parent process
+        except InputError:  # a user's file that has gone or changed
+            raise
+        except BaseException as error:  # whatever the state of a user's object raises
+            raise PolicyError("", None, f"its class does not load: {describe(error)}") from error
 
 
 def frame_of(number: int) -> int | None:
@@ -183,20 +188,22 @@ def _limit(memory_bytes: int) -> None:
         (_SELF / "oom_score_adj").write_text("1000", encoding="ascii")
     except (OSError, StopIteration):
         return  # another system, which does not enforce the limit either
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)  # whoever started us may have limited us
     most = 1024 * held + memory_bytes
+    most = most if hard == resource.RLIM_INFINITY else min(most, hard)
     resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
-def _end_of(error: BaseException) -> dict[str, Any]:
-    """Return what a reply says of how a task ended."""
+def _reply_to(index: int, error: BaseException, frame: int) -> Reply:
+    """Return what is said of a task that raised."""
     if isinstance(error, PolicyError):
-        return {"kind": "failed", "reason": str(error.reason), "frame": error.frame}
+        return Reply(index, "failed", reason=str(error.reason), frame=error.frame)
     if isinstance(error, NotApplicableError):
-        return {"kind": "not-applicable", "reason": describe(error, named=False)}
+        return Reply(index, "not-applicable", reason=describe(error, named=False))
     if isinstance(error, InputError):
-        about = {"path": error.path, "line": error.line}
-        return {"kind": "input", "reason": error.message, **about}
-    return {"kind": "failed", "reason": describe(error)}
+        reason, path, line = error.message, error.path, error.line
+        return Reply(index, "input", reason=reason, path=path, line=line)
+    return Reply(index, "failed", reason=describe(error), frame=frame_of(frame))
 
 
 def describe(error: BaseException, *, named: bool = True) -> str:

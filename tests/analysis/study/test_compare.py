@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -349,7 +350,7 @@ def test_progress_counts_every_replay(world: World, fitted_machine: HardwareProf
 def test_options_are_checked(field: str) -> None:
     """A negative count is refused by its name."""
     with pytest.raises(InputError, match=field):
-        CompareOptions(**{field: -1})
+        replace(ONE, **{field: -1})
 
 
 def test_broken_comparison_file_is_refused(tmp_path: Path) -> None:
