@@ -16,7 +16,17 @@ ROOT = Path(__file__).parents[1]
 ROOMS = ("base", "models", "traces", "policies", "sim", "render", "analysis", "testing", "cli")
 PACKAGE = sorted(path for room in ("lodbench", *ROOMS) for path in (ROOT / room).rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
-HEAVY = ("numpy", "scipy", "trimesh", "casadi", "emcee", "plotly", "pyarrow", "networkx")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "trimesh",
+    "casadi",
+    "emcee",
+    "plotly",
+    "pyarrow",
+    "networkx",
+    "distributed",
+)
 
 
 def name_of(path: Path) -> str:
