@@ -52,6 +52,9 @@ HeldOut = Annotated[
         "turn where there are few."
     ),
 ]
+FitWorkers = Annotated[
+    int, Option(help="Processes for leave-one-out; 0 for one a processor.  Results are the same.")
+]
 Predict = Annotated[
     list[str] | None,
     Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
@@ -92,6 +95,8 @@ def fit(
     steps: Steps = 20_000,
     seed: ChainSeed = 0,
     heldout: HeldOut = "auto",
+    workers: FitWorkers = 0,
+    scheduler: options.Scheduler = None,
     predict: Predict = None,
     first_frames: FirstFrames = None,
     resume: Resume = None,
@@ -127,7 +132,14 @@ def fit(
     transfer = [Source.read(log_path(name), columns, log_format).log for name in predict or ()]
     with progress_bar("sample", "steps") as progress:
         result = fit_logs(
-            sources, time, settings, transfer=transfer, resume=resume, progress=progress
+            sources,
+            time,
+            settings,
+            transfer=transfer,
+            resume=resume,
+            progress=progress,
+            workers=workers,
+            scheduler=scheduler,
         )
     record = fit_record(result)
     if as_json:

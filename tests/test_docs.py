@@ -12,7 +12,9 @@ import re
 import shlex
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +26,8 @@ ROOT = Path(__file__).parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 FENCE = re.compile(r"^```(\w+)(?: (\w+)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-OTHER_TOOLS = {"cd", "git", "make", "pip", "python"}
+OTHER_TOOLS = {"cd", "dask", "git", "make", "pip", "python"}
+ON_A_CLUSTER = ROOT / "docs" / "clusters.md"
 
 
 def page_name(page: Path) -> str:
@@ -81,7 +84,11 @@ def run_installed(line: str) -> tuple[int, str]:
     return ended.returncode, ended.stdout + ended.stderr
 
 
-RUNNING = [page for page in PAGES if any(line.startswith("lodbench ") for line in commands(page))]
+RUNNING = [
+    page
+    for page in PAGES
+    if page != ON_A_CLUSTER and any(line.startswith("lodbench ") for line in commands(page))
+]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
 LONG = {
     "README.md",
@@ -115,6 +122,24 @@ def test_commands_run_on_real_data(
     """Every command of a page that works on real data does what the page says."""
     Path("data").symlink_to(data_dir.resolve())
     run_page(page, command)
+
+
+@pytest.mark.slow
+def test_commands_run_on_a_cluster(command: Callable[[str], tuple[int, str]]) -> None:
+    """What a page starts in the background is there for the commands below it."""
+    lines = [line.removesuffix("&") for line in commands(ON_A_CLUSTER) if line.endswith("&")]
+    assert [line.split()[:2] for line in lines] == [["dask", "scheduler"], ["dask", "worker"]]
+    with ExitStack() as stack:
+        for line in lines:
+            _, kind, *arguments = shlex.split(line)
+            started = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *arguments]
+            process = stack.enter_context(subprocess.Popen(started, stderr=subprocess.DEVNULL))
+            stack.callback(process.terminate)
+        until = time.monotonic() + 60.0
+        while not Path("scheduler.json").exists():
+            assert time.monotonic() < until
+            time.sleep(0.1)
+        run_page(ON_A_CLUSTER, command)
 
 
 def test_the_installed_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

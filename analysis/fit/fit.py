@@ -136,6 +136,8 @@ def fit_logs(
     transfer: Sequence[RenderLog] = (),
     resume: Path | None = None,
     progress: Progress | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
 ) -> Fit:
     """Fit the logs together.
 
@@ -148,6 +150,8 @@ def fit_logs(
         Other logs, to be predicted.
     resume
         File that keeps the chain, so that an interrupted run goes on.
+    workers, scheduler
+        See `hold_out`.
     """
     logs = [source.log for source in sources]
     if options.heldout not in (*SPLITS, AUTO, NO_SPLIT):
@@ -160,7 +164,8 @@ def fit_logs(
     sampled = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
     held = None
     if options.heldout != NO_SPLIT:
-        held = hold_out(sample, terms, model, sampler, options.heldout)
+        split = options.heldout
+        held = hold_out(sample, terms, model, sampler, split, workers=workers, scheduler=scheduler)
     scaled = sampled.chain.flat[:, : len(sampled.design.names)]
     rng = np.random.default_rng(sampler.seed)
     return Fit(

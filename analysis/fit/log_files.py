@@ -62,6 +62,8 @@ def fit(
     max_steps: int = 20_000,
     seed: int = 0,
     resume: str | Path | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
 ) -> Fit:
     """Fit a cost model to render logs together, as `lodbench fit` does.
 
@@ -75,6 +77,8 @@ def fit(
         Other logs, to be predicted from the fit.
     resume
         File that keeps the chain, so that an interrupted run goes on.
+    workers, scheduler
+        Processes, or the address of a Dask scheduler, for the fits of ``leave-one-out``.
 
     Raises `InputError` if there is no log, or one cannot be read or cannot support the fit.
     """
@@ -89,6 +93,8 @@ def fit(
         FitOptions(terms, model, heldout, first_frames, SamplerOptions(walkers, max_steps, seed)),
         transfer=[read_log(log) for log in _several(predict)],
         resume=None if resume is None else Path(resume),
+        workers=workers,
+        scheduler=scheduler,
     )
 
 

@@ -1,13 +1,20 @@
 """Commands on a Dask cluster: the bytes of one machine, and one line where there is no cluster."""
 
+import json
+import re
 import socket
 from collections.abc import Callable, Generator
 from pathlib import Path
+from typing import Any
 
 import pytest
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 
+from lodbench.base.user_code import load_file
 from lodbench.cli.main import run
+
+FILE = Path(__file__).parents[1] / "analysis" / "study" / "engine" / "hostile_neighbours.py"
+DEEDS: Any = load_file(FILE, "policies").DEEDS
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -105,3 +112,32 @@ def test_checks_and_searches_print_the_same_on_a_cluster(
         assert alone == command(*line, "--scheduler", scheduler)
         assert alone[0] == code
     assert "frame 7: process ended with status 0" in command(*check, "--scheduler", scheduler)[1]
+
+
+@pytest.mark.slow
+def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(
+    command: Command, scheduler: str
+) -> None:
+    """All deeds of `hostile_neighbours`, side by side; the Dask workers live through each."""
+    with Client(scheduler) as client:
+        before = set(client.nthreads())
+    common = ["compare", "--trace", "walk", "--frames", "80", "--resamples", "10", "--json"]
+    (full,) = json.loads(command(*common, "--policy", "full")[1])["policies"]
+    for options in sorted({deed.options for deed in DEEDS.values()}):
+        labels = {
+            f"{FILE}:Hostile:deed={name}": deed
+            for name, deed in DEEDS.items()
+            if deed.options == options
+        }
+        line = [*common, *options, "--scheduler", scheduler, "--policy", "full"]
+        code, out, _ = command(*line, *(word for it in labels for word in ("--policy", it)))
+        found = {policy["label"]: policy for policy in json.loads(out)["policies"]}
+        assert found.pop("full") == full
+        for label, deed in labels.items():
+            if deed.reason is None:
+                assert found[label]["metrics"] == full["metrics"], label
+            else:
+                assert re.search(deed.reason, found[label]["reason"]), label
+        assert code == int(any(deed.reason for deed in labels.values()))
+    with Client(scheduler) as client:
+        assert set(client.nthreads()) == before

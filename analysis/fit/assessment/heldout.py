@@ -7,12 +7,16 @@ is the strictest.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
+from ...study.engine.limits import Limits
+from ...study.engine.open_engine import open_engine
+from ...study.engine.task import Beat, Inputs
 from ..design import design_of
 from ..estimate import Estimate, Model, estimate
 from ..fit_frames import Sample
@@ -26,6 +30,8 @@ _FEW = 40  # frames, below which each is left out in turn
 _MOST_ROWS = 20_000
 _GOOD_PCT = 3.0  # mean error, up to which no reason is looked for
 _COVERED = (0.8, 0.97)
+_SAMPLE = "sample"
+_PATIENT = Limits(timeout_s=1e7)  # a chain is as long as it has to be
 _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
@@ -87,6 +93,9 @@ def hold_out(
     model: Model,
     options: SamplerOptions,
     split: str,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
 ) -> HeldOut:
     """Fit to a part of the frames and predict the others.
 
@@ -96,6 +105,8 @@ def hold_out(
     ----------
     split
         One of `SPLITS`, or "auto": blocks, but each frame in turn where there are few.
+    workers, scheduler
+        Of the engine (see `open_engine`) for the fits of leave-one-out.
     """
     if split == "auto":
         split = "leave-one-out" if len(sample) <= _FEW else "blocks"
@@ -110,9 +121,54 @@ def hold_out(
             f"--heldout leave-one-out: expected at most {10 * _FEW} frames, since each is one "
             f"fit, got {len(sample)}; use blocks"
         )
-    rows = np.arange(len(sample))
-    others = (estimate(sample.rows(rows != row), terms, model, options) for row in rows)
-    return _summary(split, [_predict(o, sample.rows(rows == i)) for i, o in enumerate(others)])
+    tasks = [LeftOut(row, tuple(terms), model, options) for row in range(len(sample))]
+    return _summary(split, _side_by_side(tasks, sample, workers, scheduler))
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A fit to all frames but one, which predicts that one: a `Task` of the study's engine."""
+
+    row: int
+    terms: tuple[Term, ...]
+    model: Model
+    options: SamplerOptions
+
+    owner: ClassVar[str] = "fit"
+    result_type: ClassVar[object] = tuple[FloatArray, float]
+
+    def __call__(self, inputs: Inputs, beat: Beat) -> tuple[FloatArray, float]:
+        """Return what `_predict` does (see `Task`)."""
+        sample: Sample = inputs[_SAMPLE]
+        others = np.arange(len(sample)) != self.row
+
+        def tell(steps: int, _most: int) -> None:
+            beat(steps)
+
+        kept = sample.rows(others)
+        fitted = estimate(kept, self.terms, self.model, self.options, progress=tell)
+        return _predict(fitted, sample.rows(~others))
+
+
+def _side_by_side(
+    tasks: Sequence[LeftOut], sample: Sample, workers: int, scheduler: str | None
+) -> list[tuple[FloatArray, float]]:
+    """Return what each task results in, in their order.
+
+    Worker processes even for one worker: they calculate with one thread, and the optimum that a
+    chain starts from differs in its last digits with the number of threads of LAPACK.
+    """
+    found: dict[int, tuple[FloatArray, float]] = {}
+    inputs = {_SAMPLE: sample}
+    with open_engine(inputs, workers=workers, limits=_PATIENT, scheduler=scheduler) as engine:
+        for outcome in engine.run(tasks):
+            if outcome.failure is not None:
+                raise InputError(
+                    "--heldout leave-one-out: expected a fit without each frame, got "
+                    f"{outcome.failure.reason} without frame {outcome.index}; use --workers 1"
+                )
+            found[outcome.index] = outcome.result
+    return [found[index] for index in range(len(tasks))]
 
 
 def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:

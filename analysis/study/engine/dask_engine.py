@@ -5,7 +5,6 @@ lost is tried for a minute; what has been told by then is told once.
 """
 
 import queue
-import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any, Self
@@ -17,7 +16,7 @@ from .batches import Batches
 from .dask_cluster import LOST, Cluster, QuietDask
 from .dask_worker import Answer, Batch, ClosedTask, carry_out
 from .limits import Limits
-from .sent_inputs import SentInputs, abandon
+from .sent_inputs import SentInputs
 from .shared_file import SharedInputs
 from .task import Failure, Inputs, Outcome, Task
 
@@ -43,7 +42,6 @@ class DaskEngine:
         self._inputs, self._limits = inputs, limits or Limits()
         self._cluster = Cluster(scheduler)
         self._quiet = QuietDask()
-        self._study = uuid.uuid4().hex
         self._sent: Any = None
         self._flying: dict[Any, list[int]] = {}
         self._landed: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -75,7 +73,7 @@ class DaskEngine:
                     yield from batches.settle(outcome)
                 self._forget(batches)
         finally:
-            self._abandon()
+            self._cancel(list(self._flying))
 
     def _hand_out(
         self,
@@ -100,20 +98,17 @@ class DaskEngine:
                 self._limits,
                 self._cluster.versions,
             )
-            self._flying_key(indices, batch)
-
-    def _flying_key(self, indices: list[int], batch: Batch) -> None:
-        try:
-            future = self._cluster.client.submit(carry_out, self._sent, batch, pure=False)
-        except LOST:
-            self._flying[object()] = indices  # put back with the others
-            raise
-        self._flying[future] = indices
-        future.add_done_callback(self._landed.put)
+            try:
+                future = self._cluster.client.submit(carry_out, self._sent, batch, pure=False)
+            except LOST:
+                batches.put_back(indices)
+                raise
+            self._flying[future] = indices
+            future.add_done_callback(self._landed.put)
 
     def _send_inputs(self) -> None:
         self._cluster.check_workers()
-        sent = SentInputs(self._study, SharedInputs(self._inputs))
+        sent = SentInputs(SharedInputs(self._inputs))
         self._sent = self._cluster.client.scatter(sent, hash=False)
 
     def _collect(self, batches: Batches) -> list[Outcome]:
@@ -178,22 +173,14 @@ class DaskEngine:
 
     def _forget(self, batches: Batches) -> None:
         """Cancel what nobody waits for any more."""
-        unwanted = [
-            future for future, indices in self._flying.items() if not batches.wants(indices)
-        ]
-        for future in unwanted:
-            del self._flying[future]
-            with suppress(*LOST):
-                future.cancel()
+        self._cancel([it for it, indices in self._flying.items() if not batches.wants(indices)])
 
-    def _abandon(self) -> None:
-        """End what is still on its way."""
-        futures = list(self._flying)
-        self._flying.clear()
+    def _cancel(self, futures: list[Any]) -> None:
+        for future in futures:
+            del self._flying[future]
         if futures and self._cluster.connected:
             with suppress(*LOST):
                 self._cluster.client.cancel(futures)
-                self._cluster.client.run(abandon, self._study, on_error="ignore")
 
 
 def _close(task: Task, registered: dict[str, bytes]) -> ClosedTask:

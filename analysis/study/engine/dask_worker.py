@@ -5,19 +5,25 @@ their own as on a single machine.
 """
 
 import pickle
-from collections.abc import Mapping
+import threading
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ....base.errors import InputError
 from ....policies.registry import register_policy
 from .limits import Limits, available_bytes
+from .local_engine import LocalEngine
 from .sent_inputs import SentInputs
 from .task import Beat, Inputs, Outcome, Task
 from .versions import Versions, describe_difference, versions_here
 
 _SHARE = 0.8
 """Of a Dask worker's memory: what the processes beside its threads may have together."""
+_LOOK_S = 0.5
+_WANTED = ("executing", "long-running")
+"""States of a task in a Dask worker whose result somebody waits for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +87,10 @@ def carry_out(sent: SentInputs, batch: Batch) -> Answer:
         limits = replace(limits, memory_bytes=_bytes_for_a_thread())
     answer = Answer()
     try:
-        with sent.engine(batch.owner, limits) as engine:
+        with sent.engine(batch.owner, limits) as engine, _while_wanted(engine) as unwanted:
             for outcome in engine.run(batch.tasks, stop=batch.stop):
                 answer.outcomes.append(outcome)
-                if sent.abandoned:
+                if unwanted.is_set():
                     break
     except InputError as error:
         return replace(answer, refusal=error)
@@ -97,6 +103,34 @@ def mismatch(difference: str) -> str:
         f"--scheduler: expected workers with the same versions as here, got {difference}; "
         "install the same there, and restart the workers"
     )
+
+
+@contextmanager
+def _while_wanted(engine: LocalEngine) -> Generator[threading.Event]:
+    """Interrupt the engine if nobody waits for the block's results any more.
+
+    A Dask worker does not stop a thread whose task was cancelled, as when the client is gone.
+    """
+    from distributed import get_worker
+
+    worker: Any = get_worker()
+    key: Any = worker.get_current_task()
+    unwanted, done = threading.Event(), threading.Event()
+
+    def look() -> None:
+        while not done.wait(_LOOK_S):
+            task = worker.state.tasks.get(key)
+            if task is None or task.state not in _WANTED:
+                unwanted.set()
+                engine.interrupt()
+
+    thread = threading.Thread(target=look, daemon=True)
+    thread.start()
+    try:
+        yield unwanted
+    finally:
+        done.set()
+        thread.join()
 
 
 def _bytes_for_a_thread() -> int:

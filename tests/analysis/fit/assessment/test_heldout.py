@@ -53,6 +53,19 @@ def test_errors_are_those_of_the_noise(make_sample: MakeSample):
     assert found.log_score == pytest.approx(float(best.mean()), abs=0.03)
 
 
+def test_fits_side_by_side_are_those_one_after_the_other(make_sample: MakeSample):
+    """Eight fits on one and on three worker processes: every number of the summary is the same."""
+    frames, short = make_sample(frames=8), SamplerOptions(max_steps=20)
+    alone = hold_out(frames, TERMS, "student-t", short, "leave-one-out")
+    assert hold_out(frames, TERMS, "student-t", short, "leave-one-out", workers=3) == alone
+
+
+def test_a_fit_that_cannot_be_done_is_refused(make_sample: MakeSample):
+    """Four frames less one are too few for three coefficients and the noise."""
+    with pytest.raises(InputError, match="expected at least 5 frames for 3 coefficients"):
+        hold_out(make_sample(frames=4), TERMS, "gaussian", SHORT, "auto")
+
+
 def test_each_frame_in_turn_where_there_are_few(make_sample: MakeSample):
     """Twelve frames are left out one by one; of many that is refused."""
     found = hold_out(make_sample(frames=12), TERMS, "gaussian", SHORT, "auto")

@@ -62,6 +62,16 @@ def refusal_of(scheduler: str) -> str:
     return line
 
 
+def listens(address: str) -> bool:
+    """Whether anything takes connections at an address."""
+    host, _, port = address.partition("://")[2].rpartition(":")
+    try:
+        socket.create_connection((host, int(port)), timeout=1.0).close()
+    except OSError:
+        return False
+    return True
+
+
 def free_port() -> int:
     """Return a port that nobody listens to."""
     with socket.socket() as probe:
@@ -178,6 +188,7 @@ def test_a_scheduler_that_is_started_again_goes_on(tmp_path: Path, echo: Any) ->
     with ExitStack() as stack:
         first = stack.enter_context(started("scheduler", *scheduler))
         stack.enter_context(started("worker", *worker))
+        wait_for(lambda: listens(address))
         with open_engine({}, scheduler=address) as engine:
             outcomes = engine.run(tasks)
             found = [next(outcomes)]
@@ -204,6 +215,7 @@ def test_a_scheduler_that_stays_away_ends_the_study_in_one_line(
             started("scheduler", "--port", port, "--dashboard-address", ":0")
         )
         stack.enter_context(started("worker", address, "--nthreads", "1", "--no-dashboard"))
+        wait_for(lambda: listens(address))
         with open_engine({}, scheduler=address) as engine:
             outcomes = engine.run([echo("owner", i, 0.2) for i in range(20)])
             next(outcomes)
@@ -238,6 +250,7 @@ def test_certificates_come_from_the_configuration_of_dask(tmp_path: Path, echo: 
         started("scheduler", *scheduler, "--dashboard-address", ":0", **config),
         started("worker", address, "--nthreads", "1", "--no-dashboard", **config),
     ):
+        wait_for(lambda: listens(address))
         with (
             dask.config.set({f"distributed.comm.tls.{name}": str(tls[name]) for name in tls}),
             open_engine({}, scheduler=address) as engine,
@@ -246,7 +259,7 @@ def test_certificates_come_from_the_configuration_of_dask(tmp_path: Path, echo: 
         assert refusal_of(address).startswith(f"--scheduler {address}: expected a Dask scheduler")
 
 
-def wait_for(condition: Callable[[], Any], seconds: float = 20.0) -> Any:
+def wait_for(condition: Callable[[], Any], seconds: float = 60.0) -> Any:
     """Return the first true value of a condition."""
     until = time.monotonic() + seconds
     while not (value := condition()):

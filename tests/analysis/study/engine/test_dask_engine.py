@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -173,6 +175,24 @@ def test_a_study_that_is_left_leaves_nothing_running(cluster: LocalCluster, add:
         wait_for(lambda: len(workers_of(cluster)) == 2)
         outcomes.close()
     wait_for(lambda: not workers_of(cluster), 5.0)
+
+
+def test_a_client_that_is_killed_leaves_nothing_running(
+    cluster: LocalCluster, tmp_path: Path
+) -> None:
+    """Nobody waits for its tasks any more: their processes end though they would hang."""
+    (tmp_path / "tasks.py").write_text(TASKS)
+    (tmp_path / "client.py").write_text(
+        "from lodbench.analysis.study.engine.dask_engine import DaskEngine\n"
+        "from lodbench.base.user_code import load_object\n"
+        f"add = load_object({str(tmp_path / 'tasks.py')!r} + ':Add', 'task')\n"
+        f"with DaskEngine({{}}, {cluster.scheduler_address!r}) as engine:\n"
+        "    list(engine.run([add(f'owner-{i}', i, 'hang') for i in range(4)]))\n"
+    )
+    with subprocess.Popen([sys.executable, str(tmp_path / "client.py")]) as client:
+        wait_for(lambda: len(workers_of(cluster)) == 2)
+        client.kill()
+    wait_for(lambda: not workers_of(cluster), 10.0)
 
 
 def workers_of(cluster: LocalCluster) -> list[int]:
