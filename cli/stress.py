@@ -79,7 +79,9 @@ def stress(
         speed_m_s=speed_m_s, turn_deg_s=turn_deg_s, duration_s=duration_s, legs=legs
     )
     with (
-        kinds.open_gauge(spec, world, profile, replay, aim, limits=limits, scheduler=scheduler) as gauge,
+        kinds.open_gauge(
+            spec, world, profile, replay, aim, limits=limits, scheduler=scheduler
+        ) as gauge,
         progress_bar("search", "paths") as progress,
     ):
         walk = gauge(load_trace("walk", world))
