@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..protocol import Capabilities, Claims
@@ -12,7 +13,9 @@ from ..selection import Selection, Work
 from ..shared.choices import require_costs
 from ..shared.ranges import Count, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
+from ..shared.steady_costs import make_resolution_costs
 from ..shared.zach_groups import Groups, Plan
+from ..shared.zach_levels import FlatLevels, make_flat_levels
 from ..shared.zach_patches import Patches, Refinements
 from ..solvers.mixed_selection import raise_in_turn
 from ..solvers.smooth_ascent import Ascent, GradientAscent, NewtonAscent
@@ -74,11 +77,17 @@ class Zach:
         solid = (tree.primitives > 0.0) | tree.leaf
         free = tree.first_in(solid, np.arange(len(scene))) < 0
         smooth = scene.continuous & tree.leaf & free
+        self._flat = None
+        if scene.flat and not smooth.any():
+            self._levels_costs = make_resolution_costs(scene, "zach")
+            self._flat = make_flat_levels(scene, require_costs(scene, "zach"))
         self._patches = Patches(scene, tree, require_costs(scene, "zach"), solid & ~smooth)
         self._groups = Groups(scene, tree, costs, smooth)
 
     def select(self, view: View) -> Selection:
         """Return the front and the resolutions that fit the budget."""
+        if self._flat is not None:
+            return self._select_levels(self._flat, view)
         discrete = self._patches.refinements(view)
         inside, seen = self._groups.seen(view)
         everything = view.at(np.concatenate((discrete.view.ids, seen.ids)))
@@ -91,7 +100,7 @@ class Zach:
             resolution = self._costs.lowest(view.at(ids))
             work = Work(len(everything))
         else:
-            smooth = self._ascent(plan)
+            smooth = self._ascent(plan.weight, plan.low, plan.high)
             left_ms -= plan.setup_ms + float(plan.low.sum())
             _, steps = raise_in_turn(discrete.forest, smooth, left_ms, self.max_steps)
             ids = plan.ids
@@ -102,11 +111,27 @@ class Zach:
         predicted_ms = self._costs.predict_ms(view.at(ids), detail)
         return Selection(ids.astype(np.int32), detail, work, predicted_ms=predicted_ms)
 
-    def _ascent(self, plan: Plan) -> Ascent:
+    def _select_levels(self, levels: FlatLevels, view: View) -> Selection:
+        """Return the levels of a flat scene that has no smooth half."""
+        seen = view if view.inside.all() else view.at(view.ids[view.inside])
+        costs, n = self._levels_costs, len(seen)
+        coarsest = levels.coarsest(seen)
+        left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - costs.predict_ms(seen, coarsest)
+        if left_ms < 0.0:
+            predicted_ms = costs.predict_ms(seen, coarsest)
+            return Selection(seen.ids, coarsest, Work(n), predicted_ms=predicted_ms)
+        increments, nothing = levels.increments(seen), np.zeros(0)
+        smooth = self._ascent(nothing, nothing, nothing)
+        _, steps = raise_in_turn(increments, smooth, left_ms, self.max_steps)
+        detail = levels.detail(seen, increments)
+        count = increments.count
+        work = Work(n, count * count.bit_length(), steps + smooth.passes)
+        return Selection(seen.ids, detail, work, predicted_ms=costs.predict_ms(seen, detail))
+
+    def _ascent(self, weight: FloatArray, low: FloatArray, high: FloatArray) -> Ascent:
         if self.engine == "newton":
-            return NewtonAscent(plan.weight, plan.low, plan.high)
-        bent = self.engine == "bent"
-        return GradientAscent(plan.weight, plan.low, plan.high, barrier=self.barrier, bent=bent)
+            return NewtonAscent(weight, low, high)
+        return GradientAscent(weight, low, high, barrier=self.barrier, bent=self.engine == "bent")
 
 
 def _work(discrete: Refinements, plan: Plan, smooth: Ascent, steps: int) -> Work:

@@ -86,8 +86,10 @@ class GradientAscent:
 
     def slope(self) -> float:
         """Return benefit per cost along the new search direction; 0 where nothing can be raised."""
-        self._direction = self._search_direction()
         self.passes += 1
+        if not len(self._at):
+            return 0.0
+        self._direction = self._search_direction()
         rising = self._direction > 0.0
         if not rising.any():
             return 0.0
