@@ -20,7 +20,9 @@ from .sent_inputs import SentInputs
 from .shared_file import SharedInputs
 from .task import Failure, Inputs, Outcome, Task
 
-_AHEAD = 2  # batches for each thread of the cluster: one that is carried out, one that waits
+AHEAD = 2
+"""Batches for each thread of the cluster: one that is carried out, one that waits."""
+
 _SETBACKS = 5  # in a row, without an outcome between them, after which a study is given up
 _LOOK_S = 1.0
 
@@ -87,7 +89,7 @@ class DaskEngine:
         if self._sent is None:
             self._send_inputs()
         slots = self._cluster.slots()
-        while len(self._flying) < _AHEAD * slots:
+        while len(self._flying) < AHEAD * slots:
             indices = batches.take(slots)
             if not indices:
                 return
