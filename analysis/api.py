@@ -120,8 +120,10 @@ def compare(
     from .study.compare import compare as compare_specs
     from .study.comparison_folder import check_target, write_results
     from .study.engine.limits import Limits
+    from .study.engine.open_engine import prepare_engine
 
     limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
+    prepare_engine()
     if out is not None:
         check_target(Path(out))
     world, machine = as_scene(scene), as_hardware(hardware)

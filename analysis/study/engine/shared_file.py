@@ -11,7 +11,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, Self
 
 from ....base.portable_pickle import portable_pickle
@@ -143,6 +142,5 @@ def _nameless_file(label: str) -> int:
     """Return the descriptor of an empty file in memory, or of a temporary one without a name."""
     if hasattr(os, "memfd_create"):
         return os.memfd_create(label, os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    fd, path = tempfile.mkstemp(prefix=label)
-    Path(path).unlink()
-    return fd
+    with tempfile.TemporaryFile(prefix=label) as file:
+        return os.dup(file.fileno())
