@@ -121,8 +121,10 @@ def compare(
     from .study.compare import compare as compare_specs
     from .study.comparison_target import claimed_target
     from .study.engine.limits import Limits
+    from .study.engine.open_engine import prepare_engine
 
     limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
+    prepare_engine(scheduler)
     with claimed_target(None if out is None else Path(out)) as target:
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(

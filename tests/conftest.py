@@ -1,5 +1,6 @@
 """Fixtures shared by all tests: the real data's folder, and builders of small things by hand."""
 
+import importlib
 import os
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
@@ -64,6 +65,24 @@ def tracked_files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 def full_studies() -> bool:
     """Return whether long studies run whole or in their reduced form."""
     return FULL_STUDIES
+
+
+@pytest.fixture(scope="session")
+def start_cluster(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+    """Return what starts a Dask cluster of workers with a thread each, as a context manager."""
+    distributed: Any = importlib.import_module("distributed")
+
+    def start(n_workers: int = 2, **options: Any) -> Any:
+        return distributed.LocalCluster(
+            processes=True,
+            n_workers=n_workers,
+            threads_per_worker=1,
+            dashboard_address=":0",  # any free port: several clusters run at once
+            local_directory=str(tmp_path_factory.mktemp("dask")),
+            **options,
+        )
+
+    return start
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,12 @@
 """What a run costs beside its own work on a Dask cluster."""
 
+import importlib
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from distributed import Client, LocalCluster, as_completed
 
 from lodbench.analysis.study.engine.dask_engine import DaskEngine
 from lodbench.analysis.study.engine.local_engine import LocalEngine
@@ -38,24 +38,25 @@ def costs(function: Callable[[], Any]) -> tuple[float, float]:
     return 1e3 * (time.perf_counter() - wall) / RUNS, 1e3 * (time.process_time() - cpu) / RUNS
 
 
-def test_a_run_costs_less_here_than_a_plain_dask_task(tmp_path: Path):
+def test_a_run_costs_less_here_than_a_plain_dask_task(
+    tmp_path: Path, start_cluster: Callable[..., Any]
+):
     """Of 200 runs of 4 policies; in all about what it costs locally, and a message of Dask's."""
     (tmp_path / "tasks.py").write_text(TASKS)
+    distributed: Any = importlib.import_module("distributed")
     cls: Any = load_object(f"{tmp_path / 'tasks.py'}:Sum", "task")
     tasks = [cls(f"policy-{i * POLICIES // RUNS}", i) for i in range(RUNS)]
     inputs = {"ramp": np.arange(1000.0)}
     with (
-        LocalCluster(
-            processes=True, n_workers=2, threads_per_worker=1, dashboard_address=":0"
-        ) as cluster,
-        Client(cluster) as client,
+        start_cluster() as cluster,
+        distributed.Client(cluster) as client,
         DaskEngine(inputs, cluster.scheduler_address) as spread,
         LocalEngine(inputs, 2) as local,
     ):
 
         def plain() -> None:
             futures = [client.submit(sum, (i, 1), pure=False) for i in range(RUNS)]
-            assert len(list(as_completed(futures, with_results=True))) == RUNS
+            assert len(list(distributed.as_completed(futures, with_results=True))) == RUNS
 
         def run_on(engine: Engine) -> None:
             assert len(list(engine.run(tasks))) == RUNS

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from distributed import Client, LocalCluster
 
 from lodbench.base.user_code import load_file
 from lodbench.cli.main import run
@@ -40,22 +39,23 @@ def command(capfd: pytest.CaptureFixture[str]) -> Command:
 
     def run_line(*arguments: str) -> tuple[int, str, str]:
         code = run(arguments)
-        return code, *capfd.readouterr()
+        out, err = capfd.readouterr()
+        return code, out, err
 
     return run_line
 
 
 @pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Generator[str]:
-    """Yield the address of a cluster of two workers."""
-    with LocalCluster(
-        processes=True,
-        n_workers=2,
-        threads_per_worker=1,
-        dashboard_address=":0",
-        local_directory=str(tmp_path_factory.mktemp("dask")),
-    ) as cluster:
-        yield cluster.scheduler_address
+def cluster(start_cluster: Callable[..., Any]) -> Generator[Any]:
+    """Yield a cluster of two workers."""
+    with start_cluster() as started:
+        yield started
+
+
+@pytest.fixture
+def scheduler(cluster: Any) -> str:
+    """Return the address of the cluster."""
+    return cluster.scheduler_address
 
 
 @pytest.mark.slow
@@ -115,12 +115,9 @@ def test_checks_and_searches_print_the_same_on_a_cluster(
 
 
 @pytest.mark.slow
-def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(
-    command: Command, scheduler: str
-) -> None:
+def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(command: Command, cluster: Any) -> None:
     """All deeds of `hostile_neighbours`, side by side; the Dask workers live through each."""
-    with Client(scheduler) as client:
-        before = set(client.nthreads())
+    before = [nanny.pid for nanny in cluster.workers.values()]
     common = ["compare", "--trace", "walk", "--frames", "80", "--resamples", "10", "--json"]
     (full,) = json.loads(command(*common, "--policy", "full")[1])["policies"]
     for options in sorted({deed.options for deed in DEEDS.values()}):
@@ -129,7 +126,7 @@ def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(
             for name, deed in DEEDS.items()
             if deed.options == options
         }
-        line = [*common, *options, "--scheduler", scheduler, "--policy", "full"]
+        line = [*common, *options, "--scheduler", cluster.scheduler_address, "--policy", "full"]
         code, out, _ = command(*line, *(word for it in labels for word in ("--policy", it)))
         found = {policy["label"]: policy for policy in json.loads(out)["policies"]}
         assert found.pop("full") == full
@@ -139,5 +136,13 @@ def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(
             else:
                 assert re.search(deed.reason, found[label]["reason"]), label
         assert code == int(any(deed.reason for deed in labels.values()))
-    with Client(scheduler) as client:
-        assert set(client.nthreads()) == before
+    assert [nanny.pid for nanny in cluster.workers.values()] == before
+
+
+@pytest.mark.slow
+def test_a_fit_is_the_same_on_a_cluster(command: Command, scheduler: str) -> None:
+    """Nine frames that a paper printed, each left out in turn, here and there."""
+    fit = ["fit", "peng2011", "--model", "gaussian", "--steps", "100", "--json"]
+    alone = command(*fit)
+    assert alone == command(*fit, "--scheduler", scheduler)
+    assert json.loads(alone[1])["heldout"]["split"] == "leave-one-out"

@@ -5,6 +5,7 @@ lost is tried for a minute; what has been told by then is told once.
 """
 
 import queue
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any, Self
@@ -20,7 +21,9 @@ from .sent_inputs import SentInputs
 from .shared_file import SharedInputs
 from .task import Failure, Inputs, Outcome, Task
 
-_AHEAD = 2  # batches for each thread of the cluster: one that is carried out, one that waits
+AHEAD = 2
+"""Batches for each thread of the cluster: one that is carried out, one that waits."""
+
 _SETBACKS = 5  # in a row, without an outcome between them, after which a study is given up
 _LOOK_S = 1.0
 
@@ -45,6 +48,7 @@ class DaskEngine:
         self._sent: Any = None
         self._flying: dict[Any, list[int]] = {}
         self._landed: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._arrived: deque[Outcome] = deque()
         self._setbacks = 0
 
     def __enter__(self) -> Self:
@@ -63,14 +67,16 @@ class DaskEngine:
         registered = _registered()
         try:
             while not batches.finished:
+                lost: BaseException | None = None
                 try:
                     self._hand_out(batches, tasks, registered, stop=stop)
-                    answers = self._collect(batches)
+                    self._collect(batches)
                 except LOST as error:
-                    self._recover(batches, error)
-                    continue
-                for outcome in answers:
-                    yield from batches.settle(outcome)
+                    lost = error
+                while self._arrived:  # also what came in before the connection was lost
+                    yield from batches.settle(self._arrived.popleft())
+                if lost is not None:
+                    self._recover(batches, lost)
                 self._forget(batches)
         finally:
             self._cancel(list(self._flying))
@@ -87,7 +93,7 @@ class DaskEngine:
         if self._sent is None:
             self._send_inputs()
         slots = self._cluster.slots()
-        while len(self._flying) < _AHEAD * slots:
+        while len(self._flying) < AHEAD * slots:
             indices = batches.take(slots)
             if not indices:
                 return
@@ -111,8 +117,8 @@ class DaskEngine:
         sent = SentInputs(SharedInputs(self._inputs))
         self._sent = self._cluster.client.scatter(sent, hash=False)
 
-    def _collect(self, batches: Batches) -> list[Outcome]:
-        """Wait for what has landed, for a moment at most, and return its outcomes."""
+    def _collect(self, batches: Batches) -> None:
+        """Wait for what lands, for a moment at most, and keep its outcomes."""
         landed: list[Any] = []
         with suppress(queue.Empty):
             landed.append(self._landed.get(timeout=_LOOK_S))
@@ -121,37 +127,35 @@ class DaskEngine:
         landed = [future for future in landed if future in self._flying]
         if not landed and not self._cluster.connected:
             raise OSError("the scheduler has gone")
-        outcomes: list[Outcome] = []
         for future in landed:
             if future.status != "finished":
-                outcomes += self._lost(future, batches)
+                self._lose(future, batches)
         done = [future for future in landed if future.status == "finished"]
         answers: list[Answer] = self._cluster.client.gather(done) if done else []
         for future, answer in zip(done, answers, strict=True):
             indices = self._flying.pop(future)
             if answer.refusal is not None:
                 raise answer.refusal
-            outcomes += [_at(indices, outcome) for outcome in answer.outcomes]
+            self._arrived += [_at(indices, outcome) for outcome in answer.outcomes]
             self._setbacks = 0
-        return outcomes
 
-    def _lost(self, future: Any, batches: Batches) -> list[Outcome]:
-        """Return the failure that a batch that was not carried out is, if it is one."""
+    def _lose(self, future: Any, batches: Batches) -> None:
+        """Put back a batch that was not carried out, or fail it if it ends whoever tries."""
         from distributed import KilledWorker
 
         if future.status != "error":
             raise OSError("what was to be done has been cancelled")
         error: Any = future.exception()
         indices = self._flying.pop(future)
-        if isinstance(error, KilledWorker):
-            if len(indices) > 1:  # which of them it was is found out one by one
-                batches.put_back(indices)
-                return []
+        if not isinstance(error, KilledWorker):
+            batches.put_back(indices)
+            self._count(error)
+        elif len(indices) > 1:  # which of them it was is found out one by one
+            batches.put_back(indices)
+        else:
             reason = "Dask workers ended one after the other while they ran it; see their logs"
-            return [Outcome(indices[0], None, Failure("failed", reason))]
-        batches.put_back(indices)
-        self._count(error)
-        return []
+            self._arrived.append(Outcome(indices[0], None, Failure("failed", reason)))
+            self._setbacks = 0
 
     def _recover(self, batches: Batches, error: BaseException) -> None:
         """Put back what was on its way, and reach the cluster again."""

@@ -89,9 +89,9 @@ def carry_out(sent: SentInputs, batch: Batch) -> Answer:
     try:
         with sent.engine(batch.owner, limits) as engine, _while_wanted(engine) as unwanted:
             for outcome in engine.run(batch.tasks, stop=batch.stop):
+                if unwanted.is_set():  # the outcome is that of our own interruption
+                    raise InterruptedError("nobody waited for this any more")
                 answer.outcomes.append(outcome)
-                if unwanted.is_set():
-                    break
     except InputError as error:
         return replace(answer, refusal=error)
     return answer
@@ -121,7 +121,7 @@ def _while_wanted(engine: LocalEngine) -> Generator[threading.Event]:
         while not done.wait(_LOOK_S):
             task = worker.state.tasks.get(key)
             if task is None or task.state not in _WANTED:
-                unwanted.set()
+                unwanted.set()  # first: what is interrupted looks like a failure
                 engine.interrupt()
 
     thread = threading.Thread(target=look, daemon=True)

@@ -1,8 +1,8 @@
 """The engine that a study is carried out on."""
 
+from .launch import SERVER
 from .limits import Limits
 from .local_engine import LocalEngine
-from .processes import SERVER
 from .task import Engine, Inputs
 
 

@@ -3,9 +3,7 @@
 import platform
 import sys
 from dataclasses import dataclass, fields
-
-import numpy as np
-import scipy
+from importlib.metadata import version
 
 from ..code_hash import code_hash
 
@@ -18,7 +16,7 @@ class Versions:
     ----------
     lodbench : hash of the sources that decide what a run results in
     python : major and minor version
-    numpy, scipy : versions
+    numpy, scipy, casadi : versions
     machine : kind of processor
     """
 
@@ -26,13 +24,21 @@ class Versions:
     python: str
     numpy: str
     scipy: str
+    casadi: str
     machine: str
 
 
 def versions_here() -> Versions:
     """Return those of this process."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    return Versions(code_hash(), python, np.__version__, scipy.__version__, platform.machine())
+    return Versions(
+        code_hash(),
+        python,
+        version("numpy"),
+        version("scipy"),
+        version("casadi"),
+        platform.machine(),
+    )
 
 
 def describe_difference(wanted: Versions, got: Versions) -> str:

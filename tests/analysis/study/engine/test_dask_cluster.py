@@ -1,5 +1,6 @@
 """Schedulers that are not there, are started again, have other versions, or want certificates."""
 
+import importlib
 import json
 import os
 import socket
@@ -12,9 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import dask
 import pytest
-from distributed import LocalCluster
 
 from lodbench.analysis.study.engine import dask_cluster
 from lodbench.analysis.study.engine.dask_engine import DaskEngine
@@ -26,6 +25,8 @@ from lodbench.analysis.study.engine.versions import (
 )
 from lodbench.base.errors import InputError
 from lodbench.base.user_code import load_object
+
+CONFIG: Any = importlib.import_module("dask.config")
 
 TASK = '''
 import time
@@ -80,10 +81,10 @@ def free_port() -> int:
 
 
 @contextmanager
-def started(kind: str, *arguments: str, **config: str) -> Generator[subprocess.Popen[bytes]]:
+def started(kind: str, *arguments: str, **config: str) -> Generator[subprocess.Popen[Any]]:
     """Run Dask's scheduler or worker as a user does, until the block ends."""
     command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *arguments]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen(command, env=os.environ | config, **quiet) as process:
         try:
             yield process
@@ -113,18 +114,36 @@ def test_addresses_that_lead_nowhere_are_refused_in_one_line(
     for content in ("[]", "{}", "no json"):
         other.write_text(content)
         assert refusal_of(str(other)).startswith(f"{other}: expected a file that `dask scheduler")
-    with dask.config.set({"scheduler-address": None}):
+    with CONFIG.set({"scheduler-address": None}):
         assert "DASK_SCHEDULER_ADDRESS" in refusal_of("config")
 
 
 def test_versions_that_differ_are_named() -> None:
     """Each that differs, with what is there and what is wanted; nothing where all are the same."""
-    mine = Versions("c0ffee", "3.11", "2.0.0", "1.13.0", "x86_64")
+    mine = Versions("c0ffee", "3.11", "2.0.0", "1.13.0", "3.6.5", "x86_64")
     assert describe_difference(mine, replace(mine)) == ""
     theirs = replace(mine, numpy="1.26.4", machine="aarch64")
     assert describe_difference(mine, theirs) == (
         "numpy 1.26.4 in place of 2.0.0, machine aarch64 in place of x86_64"
     )
+
+
+def test_the_page_names_the_times_that_hold() -> None:
+    """docs/clusters.md has the seconds for which a scheduler is tried, and tried again."""
+    page = Path(__file__).parents[4] / "docs" / "clusters.md"
+    text = page.read_text(encoding="utf-8")
+    assert f"one line after {dask_cluster.CONNECT_S:.0f} s" in text
+    assert f"tried for {dask_cluster.RECONNECT_S:.0f} s" in text
+
+
+def test_nothing_of_dask_is_loaded_before_a_cluster_is_named() -> None:
+    """Importing both engines loads neither Dask nor, ever, pandas."""
+    script = (
+        "import sys; from lodbench.analysis.study.engine import dask_engine, open_engine; "
+        "print({'dask', 'distributed', 'pandas'} & set(sys.modules))"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert run.stdout == "set()\n", run.stderr
 
 
 @pytest.mark.slow
@@ -138,16 +157,15 @@ def test_a_scheduler_that_does_not_answer_is_given_up_in_ten_seconds() -> None:
 
 @pytest.mark.slow
 def test_workers_of_other_versions_are_refused_before_the_work(
-    echo: Any, monkeypatch: pytest.MonkeyPatch
+    echo: Any, monkeypatch: pytest.MonkeyPatch, start_cluster: Callable[..., Any]
 ) -> None:
     """At the start; and of a worker that comes later, with its first batch."""
     here = versions_here()
-    with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
-    ) as cluster:
+    with start_cluster(n_workers=1) as cluster:
         address = cluster.scheduler_address
         for late in (False, True):
-            with DaskEngine({}, address) as engine:
+            inside: Any = DaskEngine({}, address)
+            with inside as engine:
                 engine._cluster.versions = replace(here, numpy="0.0")
                 if late:
                     monkeypatch.setattr(engine._cluster, "check_workers", lambda: None)
@@ -171,7 +189,7 @@ def test_the_scheduler_file_and_the_configuration_lead_to_the_scheduler(
             assert [outcome.result for outcome in engine.run([echo("owner", 5)])] == [5]
         address = json.loads(file.read_text())["address"]
         with (
-            dask.config.set({"scheduler-address": address}),
+            CONFIG.set({"scheduler-address": address}),
             open_engine({}, scheduler="config") as engine,
         ):
             assert [outcome.result for outcome in engine.run([echo("owner", 6)])] == [6]
@@ -252,7 +270,7 @@ def test_certificates_come_from_the_configuration_of_dask(tmp_path: Path, echo: 
     ):
         wait_for(lambda: listens(address))
         with (
-            dask.config.set({f"distributed.comm.tls.{name}": str(tls[name]) for name in tls}),
+            CONFIG.set({f"distributed.comm.tls.{name}": str(tls[name]) for name in tls}),
             open_engine({}, scheduler=address) as engine,
         ):
             assert [outcome.result for outcome in engine.run([echo("owner", 5)])] == [5]

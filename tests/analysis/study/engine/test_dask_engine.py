@@ -1,5 +1,6 @@
 """Studies on a Dask cluster: the results of one machine, and what becomes of what is lost."""
 
+import importlib
 import os
 import signal
 import subprocess
@@ -7,22 +8,24 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, cast
 
-import dask
 import numpy as np
 import pytest
-from distributed import Client, LocalCluster
 
 from lodbench.analysis.study.engine import dask_engine
 from lodbench.analysis.study.engine.dask_engine import DaskEngine
 from lodbench.analysis.study.engine.limits import Limits
 from lodbench.analysis.study.engine.local_engine import LocalEngine
 from lodbench.analysis.study.engine.task import Outcome
+from lodbench.base.errors import InputError
 from lodbench.base.user_code import load_object
 
 pytestmark = pytest.mark.slow
+
+StartCluster = Callable[..., Any]
 
 INPUTS = {"ramp": np.arange(1000.0)}
 
@@ -76,22 +79,10 @@ def add(tmp_path: Path) -> Any:
 
 
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Generator[LocalCluster]:
+def cluster(start_cluster: StartCluster) -> Generator[Any]:
     """Yield a cluster of two workers with a thread each, as `dask worker` starts them."""
-    with start_cluster(tmp_path_factory.mktemp("dask")) as started:
+    with start_cluster() as started:
         yield started
-
-
-def start_cluster(folder: Path, n_workers: int = 2, **options: Any) -> LocalCluster:
-    """Start a cluster of processes under nannies."""
-    return LocalCluster(
-        processes=True,
-        n_workers=n_workers,
-        threads_per_worker=1,
-        dashboard_address=":0",  # any free port: several clusters run at once
-        local_directory=str(folder),
-        **options,
-    )
 
 
 def by_index(outcomes: Sequence[Outcome]) -> list[tuple[int, Any, str]]:
@@ -117,7 +108,7 @@ def ended(pid: int) -> bool:
         return True
 
 
-def test_outcomes_are_those_of_one_machine(cluster: LocalCluster, add: Any) -> None:
+def test_outcomes_are_those_of_one_machine(cluster: Any, add: Any) -> None:
     """Three owners, one of which fails in its fourth task; with and without stopping there."""
     tasks = [add(f"owner-{i % 3}", i, "raise" if i in {10, 16} else "") for i in range(60)]
     for stop in (True, False):
@@ -131,17 +122,16 @@ def test_outcomes_are_those_of_one_machine(cluster: LocalCluster, add: Any) -> N
         assert local[2] == (2, 499_502.0, "None")
 
 
-def test_a_hostile_policy_fails_alone(cluster: LocalCluster, add: Any) -> None:
+def test_a_hostile_policy_fails_alone(cluster: Any, add: Any) -> None:
     """Each ends or hangs its own process; the Dask workers live, and the others are finished."""
     tasks = [
         *(add("good", i) for i in range(20)),
         *(add(do, 3, do) for do in ("exit", "crash", "hang")),
     ]
-    with Client(cluster) as client:
-        before = set(client.nthreads())
-        with DaskEngine(INPUTS, cluster.scheduler_address, Limits(timeout_s=1.0)) as engine:
-            found = by_index(list(engine.run(tasks)))
-        assert set(client.nthreads()) == before
+    before = [nanny.pid for nanny in cluster.workers.values()]
+    with DaskEngine(INPUTS, cluster.scheduler_address, Limits(timeout_s=1.0)) as engine:
+        found = by_index(list(engine.run(tasks)))
+    assert [nanny.pid for nanny in cluster.workers.values()] == before
     assert [failure for _, _, failure in found[20:]] == [
         "frame 3: process ended with status 0 before its result",
         "frame 3: process ended by SIGSEGV",
@@ -151,7 +141,7 @@ def test_a_hostile_policy_fails_alone(cluster: LocalCluster, add: Any) -> None:
 
 
 def test_no_two_owners_share_a_process_and_no_policy_runs_in_a_dask_worker(
-    cluster: LocalCluster, add: Any
+    cluster: Any, add: Any
 ) -> None:
     """Pids of tasks are those of neither workers nor another owner's, and few for one owner."""
     tasks = [add(f"owner-{i // 30}", i) for i in range(90)]
@@ -166,20 +156,18 @@ def test_no_two_owners_share_a_process_and_no_policy_runs_in_a_dask_worker(
     wait_for(lambda: all(ended(pid) for owner in pids for pid in owner))
 
 
-def test_a_study_that_is_left_leaves_nothing_running(cluster: LocalCluster, add: Any) -> None:
+def test_a_study_that_is_left_leaves_nothing_running(cluster: Any, add: Any) -> None:
     """Of an engine that is left in the middle, all processes end, though they would hang."""
     hanging = [add("quick", 0), *(add(f"owner-{i}", i, "hang") for i in range(4))]
     with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
-        outcomes = engine.run(hanging)
+        outcomes: Any = engine.run(hanging)
         next(outcomes)
         wait_for(lambda: len(workers_of(cluster)) == 2)
         outcomes.close()
     wait_for(lambda: not workers_of(cluster), 5.0)
 
 
-def test_a_client_that_is_killed_leaves_nothing_running(
-    cluster: LocalCluster, tmp_path: Path
-) -> None:
+def test_a_client_that_is_killed_leaves_nothing_running(cluster: Any, tmp_path: Path) -> None:
     """Nobody waits for its tasks any more: their processes end though they would hang."""
     (tmp_path / "tasks.py").write_text(TASKS)
     (tmp_path / "client.py").write_text(
@@ -195,7 +183,7 @@ def test_a_client_that_is_killed_leaves_nothing_running(
     wait_for(lambda: not workers_of(cluster), 10.0)
 
 
-def workers_of(cluster: LocalCluster) -> list[int]:
+def workers_of(cluster: Any) -> list[int]:
     """Return the pids of processes that Dask workers have started and that carry out tasks."""
     servers = [child for nanny in cluster.workers.values() for child in children_of(nanny.pid)]
     minders = [child for server in servers for child in children_of(server)]
@@ -210,24 +198,72 @@ def children_of(pid: int) -> list[int]:
     return found
 
 
-def test_few_tasks_are_on_their_way_at_a_time(cluster: LocalCluster, add: Any) -> None:
+@dataclass(frozen=True)
+class Typed:
+    """A task of a module that no worker can import, as of a notebook."""
+
+    owner: str
+    number: int
+
+    result_type: ClassVar[Any] = int
+
+    def __call__(self, inputs: Any, beat: Any) -> int:
+        """Return the number."""
+        return self.number
+
+
+def test_a_class_without_a_file_there_travels_as_it_is(cluster: Any) -> None:
+    """What was typed into a notebook is found by no import, and is not looked for."""
+    with DaskEngine({}, cluster.scheduler_address) as engine:
+        assert [outcome.result for outcome in engine.run([Typed("owner", 7)])] == [7]
+
+
+def test_a_module_that_is_not_there_is_named(
+    cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A class of a module that is installed here alone is refused in one line."""
+    (tmp_path / "only_here.py").write_text(TASKS)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    task = importlib.import_module("only_here").Add("owner", 1)
+    with (
+        DaskEngine(INPUTS, cluster.scheduler_address) as engine,
+        pytest.raises(
+            InputError, match=r"policy owner: .*got No module named 'only_here'; install"
+        ),
+    ):
+        list(engine.run([task]))
+
+
+def test_a_cluster_that_adapts_starts_its_workers(add: Any, start_cluster: StartCluster) -> None:
+    """From none, when the study has asked for something."""
+    tasks = [add("owner", i) for i in range(4)]
+    with start_cluster(n_workers=0) as cluster:
+        cluster.adapt(minimum=0, maximum=1, interval="200ms")
+        with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+            found = by_index(list(engine.run(tasks)))
+    assert found == [(i, 499_500.0 + i, "None") for i in range(4)]
+
+
+def test_few_tasks_are_on_their_way_at_a_time(cluster: Any, add: Any) -> None:
     """Of 2,000 tasks, no more futures than twice the threads of the cluster, whatever they take."""
     tasks = [add("owner", i) for i in range(2000)]
-    most = 0
-    with DaskEngine(INPUTS, cluster.scheduler_address) as engine:
+    most, inside = 0, cast("Any", DaskEngine(INPUTS, cluster.scheduler_address))
+    with inside as engine:
         told = 0
         for _ in engine.run(tasks):
             told += 1
             most = max(most, len(engine._flying))
     assert told == 2000
-    assert 1 <= most <= dask_engine._AHEAD * 2
+    assert 1 <= most <= dask_engine.AHEAD * 2
 
 
-def test_what_a_killed_worker_did_is_done_again(tmp_path: Path, add: Any) -> None:
+def test_what_a_killed_worker_did_is_done_again(
+    tmp_path: Path, add: Any, start_cluster: StartCluster
+) -> None:
     """Its runs in flight come back from elsewhere, and its processes end with it."""
     tasks = [add("owner", i, "wait", str(tmp_path)) for i in range(6)]
     with (
-        start_cluster(tmp_path / "dask") as cluster,
+        start_cluster() as cluster,
         DaskEngine(INPUTS, cluster.scheduler_address) as engine,
     ):
         outcomes = engine.run(tasks)
@@ -247,11 +283,11 @@ def test_what_a_killed_worker_did_is_done_again(tmp_path: Path, add: Any) -> Non
         assert by_index(first) == [(i, 499_500.0 + i, "None") for i in range(6)]
 
 
-def test_a_worker_that_comes_late_helps(tmp_path: Path, add: Any) -> None:
+def test_a_worker_that_comes_late_helps(add: Any, start_cluster: StartCluster) -> None:
     """It gets the inputs on its first task; the only thread of each worker has one process."""
     tasks = [add("owner", i, "nap") for i in range(60)]
     with (
-        start_cluster(tmp_path / "dask", n_workers=1) as cluster,
+        start_cluster(n_workers=1) as cluster,
         DaskEngine(INPUTS, cluster.scheduler_address) as engine,
     ):
         outcomes = engine.run(tasks)
@@ -262,12 +298,15 @@ def test_a_worker_that_comes_late_helps(tmp_path: Path, add: Any) -> None:
     assert len({outcome.result[1] for outcome in found}) == 2
 
 
-def test_a_task_that_ends_every_worker_fails(tmp_path: Path, add: Any) -> None:
+def test_a_task_that_ends_every_worker_fails(
+    tmp_path: Path, add: Any, start_cluster: StartCluster
+) -> None:
     """Where the machine itself ends under a task, it is that task's failure after some tries."""
+    config: Any = importlib.import_module("dask.config")
     tasks = [*(add("good", i) for i in range(8)), add("bad", 1, "kill", str(tmp_path))]
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        start_cluster(tmp_path / "dask", n_workers=1) as cluster,
+        config.set({"distributed.scheduler.allowed-failures": 0}),
+        start_cluster(n_workers=1) as cluster,
         DaskEngine(INPUTS, cluster.scheduler_address) as engine,
     ):
         good = list(engine.run(tasks[:8]))
