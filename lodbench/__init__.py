@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from lodbench.analysis.gate.check_result import CheckReport
     from lodbench.analysis.study.comparison import Comparison
     from lodbench.analysis.study.inputs import load_trace
+    from lodbench.analysis.study.study import Study
+    from lodbench.analysis.study.sweep.study_results import StudyResults
     from lodbench.models.machine.profile_catalog import load_hardware
     from lodbench.models.scene.scene_catalog import load_scene
     from lodbench.policies import Capabilities, Policy, Selection, View, Work
@@ -32,6 +34,8 @@ __all__ = [
     "Policy",
     "PolicyError",
     "Selection",
+    "Study",
+    "StudyResults",
     "View",
     "Work",
     "__version__",
@@ -53,6 +57,8 @@ _HOMES = {
     "analysis.gate.check_result": ("CheckReport",),
     "analysis.study.comparison": ("Comparison",),
     "analysis.study.inputs": ("load_trace",),
+    "analysis.study.study": ("Study",),
+    "analysis.study.sweep.study_results": ("StudyResults",),
     "models.machine.profile_catalog": ("load_hardware",),
     "models.scene.scene_catalog": ("load_scene",),
     "policies": ("Capabilities", "Policy", "Selection", "View", "Work"),

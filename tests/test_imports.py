@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 ROOMS = ("base", "models", "traces", "policies", "sim", "render", "analysis", "testing", "cli")
 PACKAGE = sorted(path for room in ("lodbench", *ROOMS) for path in (ROOT / room).rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
-HEAVY = ("numpy", "scipy", "trimesh", "casadi", "emcee", "plotly", "pyarrow", "networkx")
+HEAVY = ("numpy", "scipy", "trimesh", "casadi", "emcee", "plotly", "pyarrow", "networkx", "duckdb")
 
 
 def name_of(path: Path) -> str:

@@ -81,7 +81,7 @@ def test_type_checkers_are_told_the_same_names() -> None:
 
 def test_the_import_is_light() -> None:
     """Until a name is used, neither numpy nor anything built on it is loaded."""
-    heavy = ("numpy", "scipy", "pyarrow", "emcee", "trimesh", "plotly")
+    heavy = ("numpy", "scipy", "pyarrow", "emcee", "trimesh", "plotly", "duckdb")
     script = f"import sys, lodbench; print([n for n in {heavy} if n in sys.modules])"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
@@ -224,6 +224,28 @@ def test_check_judges_what_the_command_judges() -> None:
     assert (row["policy"], row["outcome"], row["metric"]) == ("Fine", "fails", "work_ms_p95")
     assert repr(missed) == "<CheckReport failed: 0 passes, 1 fails, 0 undecided>"
     assert "<td>fails</td>" in html_of(missed)
+
+
+def test_a_study_is_run_and_shows_itself(tmp_path: Path) -> None:
+    """Classes, objects and parameters are axes; in memory and in a folder the rows are the same."""
+    study = lodbench.Study(
+        {"near": Fine(0.5), "screen": "static-screen", "fronts": "erikson"},
+        parameters={"screen": {"first": [0.1, 1.0]}},
+        traces="walk",
+        budget_ms=[4.0, 8.0],
+        frames=35,
+    )
+    assert len(study) == len(list(study.runs())) == 8
+    assert repr(study).startswith("<Study study: 8 runs; policy 3, first 2, scene 1, ")
+    results = study.run(workers=1)
+    assert repr(results) == "<StudyResults study: 8 runs, 6 ok, 0 failed, 2 not-applicable>"
+    assert html_of(results).count("<tr>") == 1 + 8
+    rows = results.to_table().to_pylist()
+    assert [(row["policy"], row["first"], row["budget_ms"]) for row in rows[2:6]] == [
+        ("screen", 0.1, 4.0), ("screen", 0.1, 8.0), ("screen", 1.0, 4.0), ("screen", 1.0, 8.0),
+    ]  # fmt: skip
+    assert {metric.id for metric in METRICS} <= set(rows[0])
+    assert results.to_table().equals(study.run(out=tmp_path / "out", workers=2).to_table())
 
 
 def test_fit_takes_files_and_logs(tmp_path: Path) -> None:

@@ -54,20 +54,21 @@ def as_hardware(hardware: HardwareLike) -> HardwareProfile:
     return load_hardware(hardware)
 
 
-def load_trace(
-    name_or_path: TraceLike,
-    scene: SceneLike,
-    place: str = "shrink",
-    *,
-    read: Callable[[str], CameraTrace] = read_trace,
-) -> CameraTrace:
+def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:
     """Return the bundled trace, a generated one by its kind, or that of a file, placed in a scene.
 
     A trace is returned as it is.  `place` is one of `Placing`.  Bundled scenes have ways and speeds
-    of their own, see `stages`.  `read` reads a file.
+    of their own, see `stages`.
 
     Raises `InputError` if a name is unknown, or the file cannot be read or placed.
     """
+    return load_trace_by(read_trace, name_or_path, scene, place)
+
+
+def load_trace_by(
+    read: Callable[[str], CameraTrace], name_or_path: TraceLike, scene: SceneLike, place: str
+) -> CameraTrace:
+    """Return a trace as `load_trace` does, where `read` may know the files that it has read."""
     if place not in get_args(Placing):
         raise InputError(f"place: expected {', '.join(get_args(Placing))}, got {place}; name one")
     if isinstance(name_or_path, CameraTrace):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ....base.content_hash import content_hash
 from ....traces.cameras.camera_trace import CameraTrace
 from ....traces.cameras.read_trace import read_trace
-from ..inputs import adjust_machine, as_hardware, as_scene, load_trace
+from ..inputs import adjust_machine, as_hardware, as_scene, load_trace_by
 from .grid import Axis
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class StudyInputs:
 
     def _placed(self, scene: Any, trace: Any) -> CameraTrace:
         inside = self.loaded[self._hashes[(scene,)]]
-        return load_trace(self._traces[trace], inside, self._place, read=self._read)
+        return load_trace_by(self._read, self._traces[trace], inside, self._place)
 
     def _add(self, key: Key, name: str, thing: Any) -> None:
         if key not in self._hashes:

@@ -146,14 +146,14 @@ def test_objects_go_by_their_names() -> None:
 def test_the_digest_is_of_what_is_run() -> None:
     """Equal studies have one digest, and each thing that changes a run or a column another."""
     given: dict[str, Any] = {"policies": ["full"], "budget_ms": [8, 16], "frames": 60}
-    same = Study(**given).digest
-    assert Study(**given, name="other").digest == same
+    same = Study(**given).run_list().digest
+    assert Study(**given, name="other").run_list().digest == same
     changed = [
         {"budget_ms": [8, 17]}, {"frames": 61}, {"warmup": 29}, {"policies": ["zach"]},
         {"traces": "walk"}, {"scenes": {"mine": "plaza"}}, {"exclude": [{"budget_ms": 8}]},
         {"seeds": [1]}, {"refresh_hz": 60},
     ]  # fmt: skip
-    digests = {Study(**(given | change)).digest for change in changed}
+    digests = {Study(**(given | change)).run_list().digest for change in changed}
     assert len(digests | {same}) == len(changed) + 1
 
 

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ from lodbench.analysis.study.sweep.answer import find_answer
 from lodbench.analysis.study.sweep.plain_table import PlainTable, csv_text, fitting, latex_text
 from lodbench.base.errors import InputError
 
-from .conftest import MakeUp, Outcome
+MakeUp = Callable[[Study, Callable[[dict[str, Any]], Any]], Path]
 
 
-def outcome_of(cells: dict[str, Any]) -> Outcome:
+def outcome_of(cells: dict[str, Any]) -> Any:
     """Return a work time that budget and seed add up to, 1/3 for an endless fraction."""
     if cells["policy"] == "zach" and cells["seed"] == 3:
         return Failure("failed", "50 % & more_", frame=None)

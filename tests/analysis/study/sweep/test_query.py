@@ -1,6 +1,8 @@
 """Conditions and means over results that were made up."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,19 +12,19 @@ from lodbench.analysis.study.sweep.query import Group, Query, Unscored
 from lodbench.analysis.study.sweep.study_results import StudyResults, read_study_results
 from lodbench.base.errors import InputError
 
-from .conftest import MakeUp, Outcome
+MakeUp = Callable[[Study, Callable[[dict[str, Any]], Any]], Path]
 
 BUDGETS = [4.0, 8.0, 16.0]
 
 
-def outcome_of(cells: dict[str, object]) -> Outcome:
+def outcome_of(cells: dict[str, Any]) -> Any:
     """Return 10 times the budget plus the seed; zach fails at 4 ms, hoppe has no settling time."""
     if cells["policy"] == "zach" and cells["budget_ms"] == 4.0:
         return Failure("failed", "no cut", frame=7)
     if cells["policy"] == "erikson":
         return Failure("not-applicable", "no tree")
-    work_ms = 10.0 * float(str(cells["budget_ms"])) + int(str(cells["seed"]))
-    settle_ms = None if cells["policy"] == "hoppe" else 1.0 + int(str(cells["seed"]))
+    work_ms = 10.0 * cells["budget_ms"] + cells["seed"]
+    settle_ms = None if cells["policy"] == "hoppe" else 1.0 + cells["seed"]
     return {"work_ms_p95": work_ms, "settle_ms": settle_ms}
 
 
