@@ -124,8 +124,8 @@ def compare(
     from .study.engine.open_engine import prepare_engine
 
     limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
-    prepare_engine(scheduler)
     with claimed_target(None if out is None else Path(out)) as target:
+        prepare_engine(scheduler)
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(
             budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,

@@ -114,12 +114,12 @@ def compare(
                 policies, world, path, profile, replay, scoring, progress=progress, target=target
             )
         unwritten = target and failure_of(lambda: target.write(comparison, logs))
-    if as_json:
-        print_record(comparison)
-    else:
-        print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
-    if unwritten:
-        raise unwritten
+        if as_json:
+            print_record(comparison)
+        else:
+            print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
+        if unwritten:  # while the folder is held, whose runs are then kept
+            raise unwritten
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:

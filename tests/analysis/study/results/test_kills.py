@@ -126,6 +126,9 @@ def kill_worker(kind: str, folder: Path, random: Random) -> Started:
     started = Started(kind, folder)
     time.sleep(random.uniform(0.0, 0.7 * undisturbed(kind).took_s))
     others = started.others()
+    while not others and started.process.poll() is None:  # none has been started yet
+        time.sleep(0.01)
+        others = started.others()
     if others:
         os.kill(random.choice(others), signal.SIGKILL)
         started.struck = True
