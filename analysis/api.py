@@ -118,9 +118,11 @@ def compare(
     from .study.compare import compare as compare_specs
     from .study.comparison_target import claimed_target
     from .study.engine.limits import Limits
+    from .study.engine.open_engine import prepare_engine
 
     limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
     with claimed_target(None if out is None else Path(out)) as target:
+        prepare_engine()
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(
             budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,

@@ -21,8 +21,10 @@ def lock_file(path: Path, *, create: bool = True) -> int:
     Raises `BlockingIOError` if another handle holds the lock, and another `OSError` if the file
     cannot be opened or its file system has no locks (`NO_LOCKS`).
     """
+    # A link that somebody put in its place would have us write into the file that it leads to.
+    mode = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | (os.O_CREAT if create else 0)
     while True:
-        handle = os.open(path, os.O_RDWR | (os.O_CREAT if create else 0), 0o666)
+        handle = os.open(path, mode, 0o666)
         try:
             _lock(handle)
             if _stands(handle, path):
@@ -66,7 +68,7 @@ def _lock(handle: int) -> None:
 def _stands(handle: int, path: Path) -> bool:
     """Whether the path still leads to the file that was opened."""
     with suppress(FileNotFoundError):
-        return os.path.samestat(os.fstat(handle), path.stat())
+        return os.path.samestat(os.fstat(handle), path.lstat())
     return False
 
 

@@ -28,7 +28,9 @@ NEW = "new"
 
 _PREFIX = f".lodbench-{platform.node()}-"
 _NAME = re.compile(rf"{re.escape(_PREFIX)}(\d{{1,9}})-\w+\.partial")
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+"""Numbers of the errors by which a system says that a disk takes no more."""
+
 _MISTAKES = {errno.ENOENT, errno.EEXIST}
 
 
@@ -50,11 +52,10 @@ def scratch_beside(target: Path, shown: Path) -> Generator[Path]:
         yield scratch
     except OSError as error:
         if scratch is None or _refuses_output(error, scratch):
-            raise InputError(
-                f"expected a path that can be written, got {error.strerror or error}; "
-                "check the folder",
-                path=shown,
-            ) from error
+            # Not the error's own text: libraries put theirs around the system's.
+            got = os.strerror(error.errno) if error.errno else str(error)
+            message = f"expected a path that can be written, got {got}; check the folder"
+            raise InputError(message, path=shown) from error
         raise
     finally:
         if lock is not None:
@@ -83,7 +84,7 @@ def _refuses_output(error: OSError, scratch: Path) -> bool:
     names = (error.filename, error.filename2)
     inside = any(Path(str(name)).is_relative_to(scratch) for name in names)
     gone = not scratch.exists()
-    return gone or error.errno in _FULL or (inside and error.errno not in _MISTAKES)
+    return gone or error.errno in FULL or (inside and error.errno not in _MISTAKES)
 
 
 def sweep(folder: Path) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from .errors import InputError
+from .foreign_text import describe_error
 from .nearest_names import unknown_name
 
 _PREFIX = "lodbench_user_"
@@ -59,7 +60,7 @@ def load_file(path: Path, what: str) -> ModuleType:
         del sys.modules[name]
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
-            f"expected a Python file that loads, got {type(error).__name__}: {error}",
+            f"expected a Python file that loads, got {describe_error(error)}",
             path=path,
             line=line,
         ) from error

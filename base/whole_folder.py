@@ -12,6 +12,7 @@ from .errors import InputError
 from .exchange import exchange
 from .folder_lock import locked
 from .scratch import MOVED, NEW, flush, flush_names, scratch_beside, sweep
+from .writable import found_above, require_movable, require_writable, stands
 
 
 def require_replaceable(
@@ -28,18 +29,21 @@ def require_replaceable(
         A regular expression of the names in the folder that `command` writes; those one level down
         are ``folder/name``.
     """
-    target = Path(os.path.realpath(folder))
-    if not target.name or target == Path.cwd():
+    try:
+        target, here = Path(os.path.realpath(folder)), Path.cwd()
+    except OSError as error:  # the current folder is gone
+        message = f"expected a folder to write to, got {error.strerror}; change to another folder"
+        raise InputError(message, path=folder) from error
+    if not target.name or target == here:
         message = "expected a folder of its own to write to, got this one; name another"
         raise InputError(message, path=folder)
     sweep(target.parent)
     if os.path.ismount(target):
         message = "expected a folder that can be replaced, got a mount; name a folder in it"
         raise InputError(message, path=folder)
-    if os.path.lexists(target):
+    if stands(target, folder):
         _require_own(folder, ours, command)
-    parents = (parent for parent in target.parents if parent.exists() or not make_parents)
-    require_writable(next(parents))
+    require_writable(found_above(target) if make_parents else target.parent)
 
 
 def _require_own(folder: Path, ours: str, command: str) -> None:
@@ -53,23 +57,18 @@ def _require_own(folder: Path, ours: str, command: str) -> None:
             f"{foreign}; name another",
             path=folder,
         )
+    require_movable(folder)
 
 
 def _names(folder: Path) -> Iterator[str]:
+    """Yield the names in a folder and those one level down, in folders that can be emptied."""
+    require_writable(folder)
     inner = sorted(folder.iterdir())
     yield from (path.name for path in inner)
     for path in inner:
         if path.is_dir():
+            require_writable(path)
             yield from sorted(f"{path.name}/{below.name}" for below in path.iterdir())
-
-
-def require_writable(folder: Path) -> None:
-    """Raise InputError before the work if nothing could be written to a folder after it."""
-    if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
-        raise InputError(
-            "expected a folder that can be written to, got one that cannot; name another",
-            path=folder,
-        )
 
 
 @contextmanager
@@ -99,10 +98,23 @@ def whole_folder(folder: Path) -> Generator[Path]:
     """
     target = Path(os.path.realpath(folder))
     with locked(folder), scratch_beside(target, folder) as scratch:
-        yield scratch / NEW
+        with _about(folder, scratch / NEW):
+            yield scratch / NEW
         flush(scratch / NEW)
         _put_in_place(scratch / NEW, target, scratch / MOVED)
         flush_names(target.parent)
+
+
+@contextmanager
+def _about(folder: Path, partial: Path) -> Generator[None]:
+    """Name a file by where it would be, in what is told of one that could not be written."""
+    try:
+        yield
+    except InputError as error:
+        if error.path is None or not Path(error.path).is_relative_to(partial):
+            raise
+        path = folder / Path(error.path).relative_to(partial)
+        raise InputError(error.message, path=path, line=error.line) from error
 
 
 def _put_in_place(new: Path, target: Path, moved: Path) -> None:

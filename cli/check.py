@@ -76,8 +76,13 @@ def check(
     from ..analysis.gate.measurements import MeasureOptions, measure_run
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
+    from ..base.writable import require_file_writable
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
+    if update_baseline:
+        require_file_writable(baseline, make_parents=True)
+    elif junit is not None:
+        require_file_writable(junit, make_parents=True)
     if run is not None:
         conditions, measured = measure_run(run)
     else:
@@ -106,11 +111,11 @@ def check(
         _update(baseline, chosen, conditions, measured, as_json=as_json)
         return
     report = judge_measured(chosen, measured, conditions, baseline, strict=strict)
+    _print(report, limits, as_json=as_json, github=github)
     if junit is not None:
         from ..analysis.gate.junit import write_junit
 
         write_junit(junit, report)
-    _print(report, limits, as_json=as_json, github=github)
     if not report.passed:
         raise Exit(1)
 

@@ -7,7 +7,13 @@ from typer import Exit, Option
 
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import frame_budget, open_named_scene, print_record, table_console
+from .shared.terminal import (
+    failure_of,
+    frame_budget,
+    open_named_scene,
+    print_record,
+    table_console,
+)
 
 Policies = Annotated[
     list[str] | None,
@@ -101,14 +107,13 @@ def compare(
             comparison, logs = study.compare(
                 policies, world, path, profile, replay, scoring, progress=progress, target=target
             )
-        try:
-            if target is not None:
-                target.write(comparison, logs)
-        finally:  # a disk that is full is no reason to keep the scores back
-            if as_json:
-                print_record(comparison)
-            else:
-                print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
+        unwritten = target and failure_of(lambda: target.write(comparison, logs))
+        if as_json:
+            print_record(comparison)
+        else:
+            print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
+        if unwritten:  # while the folder is held, whose runs are then kept
+            raise unwritten
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
     if comparison.failed:

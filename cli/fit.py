@@ -123,7 +123,7 @@ def fit(
         target = target_of(sources[0].log)
     time: TimeName = _one_of("--target", target, ("gpu_ms", "frame_ms", "cpu_ms"))
     base = None if onto is None else load_hardware(onto)
-    _check_outputs(terms, time, out, plots)
+    _check_outputs(terms, time, out, plots, resume)
     transfer = [Source.read(log_path(name), columns, log_format).log for name in predict or ()]
     with progress_bar("sample", "steps") as progress:
         result = fit_logs(
@@ -182,14 +182,24 @@ def _parse_columns(text: str) -> dict[str, str]:
     return {name.strip(): column.strip() for name, _, column in pairs}
 
 
-def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path | None) -> None:
+def _check_outputs(
+    terms: str,
+    target: "TimeName",
+    out: Path | None,
+    plots: Path | None,
+    resume: Path | None,
+) -> None:
     """Refuse, before the work, what could not be written after it."""
     from ..analysis.fit.fitted_profile import require_for_profile
     from ..analysis.fit.plots import require_plots
     from ..analysis.fit.terms import parse_terms
+    from ..base.writable import found_above, require_file_writable, require_writable
 
     if plots is not None:
         require_plots()
+        require_writable(found_above(plots / "trace.png"))
+    if resume is not None:
+        require_file_writable(resume)
     if out is None:
         return
     if terms != "auto":
@@ -198,3 +208,4 @@ def _check_outputs(terms: str, target: "TimeName", out: Path | None, plots: Path
         raise InputError(
             "expected a .toml file in a folder that exists; name such a path", path=out
         )
+    require_file_writable(out)

@@ -93,6 +93,17 @@ def _print_error(line: str) -> None:
     print(line, file=sys.stderr)
 
 
+def _print_full(error: OSError) -> bool:
+    """Tell of a full disk, if that is what happened to an output without a name, as stdout is."""
+    from ..base.scratch import FULL
+
+    full = error.errno in FULL
+    if full:
+        reason = f"got {error.strerror}; make room or write elsewhere"
+        _print_error(f"error: expected a disk with room for the output, {reason}")
+    return full
+
+
 _app = typer.Typer(
     cls=_LazyGroup,
     add_completion=False,
@@ -127,6 +138,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
         group.main(arguments, prog_name="lodbench")
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
+    except OSError as error:
+        if not _print_full(error):
+            raise
+        return 2
     return 0
 
 
@@ -139,7 +154,9 @@ def main() -> None:
     code = run()
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError as error:
         # The interpreter flushes once more at exit, and would complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if code != 2 and _print_full(error):  # else it has been told
+            code = 2
     sys.exit(code)

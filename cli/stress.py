@@ -9,7 +9,7 @@ from typer import Argument, Option
 
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import frame_budget
+from .shared.terminal import failure_of, frame_budget
 
 Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[
@@ -58,6 +58,7 @@ def stress(
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
     from ..analysis.study.inputs import load_trace
+    from ..base.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
     from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import parse_policy
@@ -65,6 +66,9 @@ def stress(
     from ..traces.cameras.write_trace import format_for_writing, write_trace
 
     format_for_writing(out)
+    limits_file = out.with_suffix(".limits.toml")
+    for file in (out, limits_file):
+        require_file_writable(file)
     limits = make_limits(policy_timeout, policy_memory)
     prepare_engine()
     aim = kinds.check_badness(badness)
@@ -81,10 +85,13 @@ def stress(
         worst = search.stress(
             gauge, world, bounds, seed=seed, evaluations=evaluations, progress=progress
         )
-    write_trace(worst.trace, out)
-    limits_file = out.with_suffix(".limits.toml")
     metric = kinds.METRIC_OF[aim]
-    _write_limits(limits_file, metric, policy)
+
+    def write() -> None:
+        write_trace(worst.trace, out)
+        _write_limits(limits_file, metric, policy)
+
+    unwritten = failure_of(write)
     check = ["lodbench", "check", "--policy", policy, "--scene", scene, "--trace", str(out)]
     check += ["--place", "none", "--hardware", hardware, "--limits", str(limits_file)]
     check += ["--baseline", str(out.with_suffix(".baseline.json"))]
@@ -104,10 +111,12 @@ def stress(
         "limits": str(limits_file),
         "check": check,
     }
+    found = f"{badness} {worst.value:.3g} on the path found, {walk:.3g} on the bundled walk"
+    print(json.dumps(record, indent=1) if as_json else found)
+    if unwritten is not None:
+        raise unwritten
     if as_json:
-        print(json.dumps(record, indent=1))
         return
-    print(f"{badness} {worst.value:.3g} on the path found, {walk:.3g} on the bundled walk")
     print(f"path: {out}")
     print(f"accept it as it is now: {shlex.join([*check, '--update-baseline'])}")
     print(f"test it from then on:   {shlex.join(check)}")

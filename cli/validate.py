@@ -9,7 +9,13 @@ from ..base.errors import InputError
 from .record import parse_size
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import frame_budget, open_named_scene, print_record, table_console
+from .shared.terminal import (
+    failure_of,
+    frame_budget,
+    open_named_scene,
+    print_record,
+    table_console,
+)
 
 POLICIES = (
     "full",
@@ -130,13 +136,15 @@ def validate(
             )
         log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
         validation = compare_sides(comparison, pairs, profile, log)
-        if out is not None:
-            write_validation(out, validation, pairs, recorded or recordings)
+        kept = recorded or recordings
+        unwritten = out and failure_of(lambda: write_validation(out, validation, pairs, kept))
     if as_json:
         print_record(validation)
-        return
-    print_validation(validation, table_console(120))
-    if out is not None:
+    else:
+        print_validation(validation, table_console(120))
+    if unwritten:
+        raise unwritten
+    if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
 
 

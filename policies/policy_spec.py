@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base.errors import InputError
+from ..base.foreign_text import describe_error
 from .protocol import Capabilities, Policy
 
 
@@ -49,7 +50,7 @@ class PolicySpec:
         except InputError:
             raise
         except (Exception, SystemExit) as error:  # a user's class may raise anything
-            raise InputError(f"policy {self.label}: {type(error).__name__}: {error}") from error
+            raise InputError(f"policy {self.label}: {describe_error(error)}") from error
         capabilities: object = getattr(policy, "capabilities", None)
         if not isinstance(capabilities, Capabilities):
             raise InputError(

@@ -1,17 +1,22 @@
 """The protocol that every policy follows, and what a policy says about itself."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, SupportsIndex, runtime_checkable
 
+from ..base.errors import InputError
+from ..base.foreign_text import describe_value
 from ..models.machine.cost import CostModel
 from ..models.scene.scene import Scene
 from .selection import Selection
 from .view import View
 
+MOST_REST_FRAMES = 1_000_000
+"""What a policy may claim to take to come to rest: nearly five hours at 60 Hz."""
+
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What scenes a policy can drive and what it needs.
+    """What scenes a policy can drive and what it needs; raises `InputError` if one is no bool.
 
     Attributes
     ----------
@@ -33,12 +38,18 @@ class Capabilities:
     loader: bool = False
     future: bool = False
 
+    def __post_init__(self) -> None:
+        for name in ("levels", "continuous", "hierarchy", "loader", "future"):
+            _require_bool(f"capabilities: {name}", getattr(self, name))
+
 
 @dataclass(frozen=True, slots=True)
 class Claims:
     """Properties that a policy claims, and that the contract checks then hold it to.
 
     A policy says so with an attribute or property `claims`; without one it claims nothing.
+
+    Raises `InputError` if one is of another kind, or `settles_frames` out of range.
 
     Attributes
     ----------
@@ -48,7 +59,8 @@ class Claims:
     monotone : bool
         More budget never lowers the benefit of a frame of a flat scene.
     settles_frames : int or None
-        Frames after which a camera at rest changes no level any more; None if that may never be.
+        Frames, at most `MOST_REST_FRAMES`, after which a camera at rest changes no level any more;
+        None if that may never be.
     hysteresis : bool
         A step forward, back and forward again nowhere switches a node twice.
     """
@@ -57,6 +69,22 @@ class Claims:
     monotone: bool = False
     settles_frames: int | None = None
     hysteresis: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("budget", "monotone", "hysteresis"):
+            _require_bool(f"claims: {name}", getattr(self, name))
+        rest: Any = self.settles_frames
+        whole = isinstance(rest, SupportsIndex) and not isinstance(rest, bool)
+        if rest is not None and not (whole and 0 <= int(rest) <= MOST_REST_FRAMES):
+            raise InputError(
+                f"claims: settles_frames: expected None or 0 to {MOST_REST_FRAMES} frames, got "
+                f"{describe_value(rest)}"
+            )
+
+
+def _require_bool(name: str, value: object) -> None:
+    if value is not True and value is not False:
+        raise InputError(f"{name}: expected True or False, got {describe_value(value)}")
 
 
 def claims_of(policy: object) -> Claims:

@@ -1,19 +1,33 @@
 """What a policy decides for one frame, and the check that the simulator makes of it."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..base.arrays import FloatArray, IntArray
+from ..base.foreign_text import describe_value, type_name
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
+
+MOST_WORK = 10**12
+"""What a count of `Work` is at most: a million objects, each a million times."""
+
+MOST_PREDICTED_MS = 1e9
+"""What a prediction is at most: eleven days for one frame."""
+
+LEAST_RENDER_SCALE = 1.0 / 1024.0
+"""What a render scale is at least: a picture a few pixels wide on any display."""
+
+_NUMPY_REALS = (np.float64, np.float32, *(np.dtype(code).type for code in "bhilqBHILQ"))
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
     """Counts that the CPU cost model turns into milliseconds.
+
+    Each is a number from 0 to `MOST_WORK`: an int, a float, or an integer, float32 or float64 of
+    numpy; no truth value, no subclass of these.
 
     Attributes
     ----------
@@ -32,7 +46,7 @@ class Work:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Nodes drawn in a frame.
+    """Nodes drawn in a frame; arrays are numpy's own, of no subclass.
 
     Attributes
     ----------
@@ -47,12 +61,14 @@ class Selection:
         Node whose extracted level each node draws (LODManager's sharing); its own id if it
         extracts for itself.
     predicted_ms : float
-        GPU time that a predictive policy expects; NaN if it predicts none.
+        GPU time that a predictive policy expects, 0 to `MOST_PREDICTED_MS`; NaN if it predicts
+        none.
     wanted : (w,) int32, optional
         Nodes that the loader is to have in memory, by falling priority; None keeps the last list.
     render_scale : float
-        Width of the picture rendered over the window's, in (0, 1]; the display scales it up.  Its
-        square multiplies pixels, and with them benefit, whose size is counted in pixels.
+        Width of the picture rendered over the window's, `LEAST_RENDER_SCALE` to 1; the display
+        scales it up.  Its square multiplies pixels, and with them benefit, whose size is counted in
+        pixels.
     """
 
     ids: IntArray
@@ -71,8 +87,8 @@ def find_violation(
 
     The common case, one detail for every candidate in the view's own order, is the cheapest.
     """
-    if not isinstance(selection, Selection):
-        return f"expected a Selection, got {type(selection).__name__}"
+    if type(selection) is not Selection:
+        return f"expected a Selection, got {type_name(selection)}"
     ids, detail, holder = selection.ids, selection.detail, selection.holder
     wrong = (
         _wrong_array("ids", ids, "i", None)
@@ -92,12 +108,12 @@ def find_violation(
 
 
 def _wrong_array(name: str, array: Any, kind: str, length: int | None) -> str | None:
-    got = type(array).__name__
-    if not isinstance(array, np.ndarray) or array.ndim != 1:
-        return f"{name}: expected a one-dimensional numpy array, got {got}"
+    # A masked array, or another subclass, may compare and index as it likes.
+    if type(array) is not np.ndarray or array.ndim != 1:
+        return f"{name}: expected a one-dimensional numpy array, got {type_name(array)}"
     if array.dtype.kind != kind or (kind == "f" and array.dtype.itemsize != 8):
         expected = "integers" if kind == "i" else "float64"
-        return f"{name}: expected {expected}, got {array.dtype}"
+        return f"{name}: expected {expected}, got {describe_value(array.dtype)}"
     if length is not None and array.size != length:
         return f"{name}: expected {length} values as in ids, got {array.size}"
     return None
@@ -110,23 +126,38 @@ def _wrong_range(name: str, ids: IntArray, scene: Scene) -> str | None:
     return None
 
 
-def _wrong_numbers(work: object, predicted_ms: object, render_scale: object) -> str | None:
-    if not isinstance(work, Work):
-        return f"work: expected a Work, got {type(work).__name__}"
+def _is_real(value: object) -> bool:
+    """Whether a value is a number that compares as numbers do, which no user's class need do.
+
+    Of numpy's numbers those that are complex, of half or of extended precision are not: products
+    with them are, too.
+    """
+    kind = type(value)
+    return kind is int or kind is float or any(kind is known for known in _NUMPY_REALS)
+
+
+def _wrong_numbers(work: Any, predicted_ms: Any, render_scale: Any) -> str | None:
+    if type(work) is not Work:
+        return f"work: expected a Work, got {type_name(work)}"
     for name in ("objects_visited", "comparisons", "iterations"):
-        count: object = getattr(work, name)
-        if not isinstance(count, (int, float, np.number)) or not 0 <= count < math.inf:
-            return f"work: expected a finite number of {name} >= 0, got {count}"
-    if not isinstance(predicted_ms, (int, float, np.number)) or predicted_ms < 0:
-        return f"predicted_ms: expected milliseconds >= 0 or NaN, got {predicted_ms}"
-    if not isinstance(render_scale, (int, float, np.number)) or not 0 < render_scale <= 1:
-        return f"render_scale: expected a number in (0, 1], got {render_scale}"
+        count: Any = getattr(work, name, None)
+        if not _is_real(count) or not 0 <= count <= MOST_WORK:
+            got = describe_value(count)
+            return f"work: expected {name} from 0 to {MOST_WORK:g}, got {got}"
+    if not _is_real(predicted_ms) or predicted_ms < 0 or predicted_ms > MOST_PREDICTED_MS:
+        expected = f"milliseconds from 0 to {MOST_PREDICTED_MS:g} or NaN"
+        return f"predicted_ms: expected {expected}, got {describe_value(predicted_ms)}"
+    if not _is_real(render_scale) or not LEAST_RENDER_SCALE <= render_scale <= 1:
+        expected = f"a number from {LEAST_RENDER_SCALE:.4f} to 1"
+        return f"render_scale: expected {expected}, got {describe_value(render_scale)}"
     return None
 
 
 def _wrong_ids(ids: IntArray, candidates: IntArray, scene: Scene) -> str | None:
     if ids is candidates:
         return None
+    if len(ids) > len(scene):
+        return f"ids: expected distinct nodes, got {len(ids)} of {len(scene)}"
     if wrong := _wrong_range("ids", ids, scene):
         return wrong
     seen = np.zeros(len(scene), dtype=np.bool_)
@@ -154,6 +185,8 @@ def _wrong_wanted(wanted: IntArray, scene: Scene) -> str | None:
     wrong = _wrong_array("wanted", wanted, "i", None)
     if wrong or len(wanted) == 0:
         return wrong
+    if len(wanted) > len(scene):
+        return f"wanted: expected distinct nodes, got {len(wanted)} of {len(scene)}"
     if wrong := _wrong_range("wanted", wanted, scene):
         return wrong
     if len(np.unique(wanted)) != len(wanted):

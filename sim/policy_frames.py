@@ -7,6 +7,7 @@ import numpy as np
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError, PolicyError
+from ..base.foreign_text import describe_error
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
@@ -78,7 +79,7 @@ class PolicyFrames:
         try:
             policy.reset(self._scene, options.budget_ms)
         except (Exception, SystemExit) as error:
-            raise PolicyError(name, None, _describe(error)) from error
+            raise PolicyError(name, None, describe_error(error)) from error
 
     def attach(self, pipeline: Pipeline) -> None:
         """Take times of completed frames from this pipeline, and read on its clock."""
@@ -134,7 +135,7 @@ class PolicyFrames:
         return view.at(roots[self._culler.inside[roots]])
 
     def _check_pace(self, frame: int, time_ns: int) -> None:
-        """Refuse a machine on which frames take no time: the end of the trace would never come."""
+        """Refuse a machine on which frames take so little time that the trace's end never comes."""
         if frame and time_ns - self._pace_ns < _PACE_FRAMES * _LEAST_FRAME_NS:
             raise InputError(
                 f"hardware {self._hardware.name}: expected frames that take time, got "
@@ -142,6 +143,10 @@ class PolicyFrames:
                 "base cost, or limit the number of frames"
             )
         self._pace_ns = time_ns
+        if frame:
+            # What was seen so far may be the quickest part: it has to end even at half its rate.
+            expected = frame * self._end_ns / time_ns
+            self._options.require_end(self._trace.name, max(0.5 * expected, frame))
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
@@ -171,15 +176,9 @@ class PolicyFrames:
                 self._oracle.foresee(truth)
             selection = self._policy.select(view)
         except (Exception, SystemExit) as error:
-            raise PolicyError(self._name, view.frame, _describe(error)) from error
+            raise PolicyError(self._name, view.frame, describe_error(error)) from error
         violation = find_violation(selection, view.ids, self._scene, self._tree)
         violation = violation or find_not_resident(selection, view)
         if violation is not None:
             raise PolicyError(self._name, view.frame, violation)
         return selection
-
-
-def _describe(error: BaseException) -> str:
-    """Return an exception raised by a policy in one line."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__

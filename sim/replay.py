@@ -34,9 +34,12 @@ def replay(
 
     Raises
     ------
+    InputError
+        If the trace takes more than `MAX_FRAMES` frames, which are not limited.
     PolicyError
         If the policy raises or a selection breaks its contract.
     """
+    options.require_end(trace.name, trace.duration_s * hardware.display.refresh_hz)
     frames = PolicyFrames(policy, scene, trace, hardware, options, name, machine, beat)
     pipeline = Pipeline(frames, hardware.display, hardware.frames_in_flight)
     frames.attach(pipeline)

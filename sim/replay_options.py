@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from ..base.errors import InputError, require_real, require_whole
 from .faults import Faults
 
-_MAX_FRAMES = 10_000_000
+MAX_FRAMES = 10_000_000
+"""Frames of a replay: 46 hours at 60 Hz."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,8 +54,8 @@ class ReplayOptions:
         self._require_types()
         if not (math.isfinite(self.budget_ms) and self.budget_ms > 0.0):
             raise InputError(f"budget: expected milliseconds > 0, got {self.budget_ms}")
-        if self.frames is not None and not 1 <= self.frames <= _MAX_FRAMES:
-            raise InputError(f"frames: expected 1 to {_MAX_FRAMES}, got {self.frames}")
+        if self.frames is not None and not 1 <= self.frames <= MAX_FRAMES:
+            raise InputError(f"frames: expected 1 to {MAX_FRAMES}, got {self.frames}")
         if not (math.isfinite(self.crossfade_ms) and self.crossfade_ms >= 0.0):
             raise InputError(f"crossfade: expected milliseconds >= 0, got {self.crossfade_ms}")
         if not 0 <= self.measurement_delay <= 16:
@@ -63,6 +64,22 @@ class ReplayOptions:
             )
         if self.memory_bytes is not None and not 0.0 < self.memory_bytes < math.inf:
             raise InputError(f"memory: expected bytes > 0, got {self.memory_bytes}")
+
+    def require_end(self, trace: str, frames: float) -> None:
+        """Raise InputError if a trace takes too many frames, and their number is not limited.
+
+        Parameters
+        ----------
+        trace
+            Its name.
+        frames
+            How many it takes at the rate of the display, or at the pace so far.
+        """
+        if self.frames is None and frames > MAX_FRAMES:
+            raise InputError(
+                f"trace {trace}: expected at most {MAX_FRAMES} frames, got {frames:.3g}; limit "
+                "their number, or cut the trace"
+            )
 
     def _require_types(self) -> None:
         """Refuse fractions of frames, texts and truth values, which bounds alone would let pass."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from unittest import SkipTest
 
+from ..base.foreign_text import describe_error
 from .examples.example import Factory
 from .promises import agreement, claims
 from .promises.promise import CheckError, Promise, locate
@@ -50,6 +51,6 @@ def _result(check: Promise, factory: Factory) -> CheckResult:
     except CheckError as error:
         return CheckResult(check.name, passed=False, message=str(error))
     except Exception as error:  # noqa: BLE001 - a user's class may raise anything when it is made
-        message = f"{locate(factory, error)}: {type(error).__name__}: {error}"
+        message = f"{locate(factory, error)}: {describe_error(error)}"
         return CheckResult(check.name, passed=False, message=message)
     return CheckResult(check.name, passed=True)

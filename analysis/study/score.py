@@ -78,6 +78,13 @@ class Scored:
     steps: tuple[Step, ...]
     frames: int
 
+    def __post_init__(self) -> None:
+        # It may come from a process in which a policy replaced what makes it.
+        if self.values.keys() != {metric.id for metric in METRICS}:
+            raise ValueError("expected a value of every metric")
+        if len({array.shape for array in self.resampled.values()}) > 1:
+            raise ValueError("expected as many resamples of every metric")
+
 
 def score(
     world: World,

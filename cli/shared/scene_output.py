@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...analysis.report.console_tables import titled_table
 from ...base.errors import InputError
+from ...base.writable import require_file_writable
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from collections.abc import Mapping
@@ -26,6 +27,7 @@ def check_output(out: Path, suffix: str) -> None:
         raise InputError(f"expected a name that ends in {suffix}, got '{out.name}'", path=out)
     if not out.parent.is_dir():
         raise InputError("expected a folder to write to, got none of that name", path=out.parent)
+    require_file_writable(out)
 
 
 def check_scene_options(out: Path, seed: int) -> None:

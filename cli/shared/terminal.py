@@ -2,8 +2,10 @@
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
+
+from ...base.errors import InputError
 
 if TYPE_CHECKING:  # numpy and rich are loaded by the command that needs them
     from rich.console import Console
@@ -28,6 +30,15 @@ def open_named_scene(spec: str) -> "OpenedScene":
 def frame_budget(budget_ms: float | None, profile: "HardwareProfile") -> float:
     """Return the budget in ms: the one that was asked for, else one refresh of the display."""
     return 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
+
+
+def failure_of(write: Callable[[], object]) -> InputError | OSError | None:
+    """Write a result; return why that failed, to be raised when its scores have been printed."""
+    try:
+        write()
+    except (InputError, OSError) as error:
+        return error
+    return None
 
 
 def print_record(record: object) -> None:

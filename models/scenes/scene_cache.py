@@ -27,26 +27,33 @@ _UNREADABLE = (InputError, OSError)
 
 
 def cache_folder() -> Path:
-    """Return where generated scenes are kept: ``LODBENCH_CACHE``, or the platform's cache."""
+    """Return where generated scenes are kept: ``LODBENCH_CACHE``, or the platform's cache.
+
+    Raises `RuntimeError` where the user has no home.
+    """
     named = os.environ.get(_VARIABLE)
     if named:
         return Path(named)
-    home = Path.home()
     if sys.platform == "darwin":
-        return home / "Library" / "Caches" / "lodbench"
+        return Path.home() / "Library" / "Caches" / "lodbench"
     if sys.platform == "win32":
-        local = os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local"
+        local = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
         return Path(local) / "lodbench" / "Cache"
-    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "lodbench"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lodbench"
 
 
 def cached_scene(name: str, build: Build) -> tuple[Scene, Callable[[], Geometry]]:
     """Return a generated scene, and what reads its geometry.
 
-    What is missing from the cache, or damaged there, is made anew.  Where the cache cannot be
-    written to, the scene is made in memory, which a line on stderr says once.
+    What is missing from the cache, or damaged there, is made anew.  Where there is no cache, or it
+    cannot be written to, the scene is made in memory, which a line on stderr says once.
     """
-    path = cache_folder() / f"{name}.{_digest()}{SUFFIX}"
+    try:
+        path = cache_folder() / f"{name}.{_digest()}{SUFFIX}"
+    except RuntimeError:  # an account of a job or a container may have no home
+        _say_once("there is no home folder for them; name a")
+        scene, made = build()
+        return scene, lambda: made
 
     def geometry() -> Geometry:
         # The scene may be whole where its geometry, read only now, is not.
@@ -73,7 +80,7 @@ def _keep(path: Path, scene: Scene, geometry: Geometry) -> bool:
         write_scene(path, scene, geometry, SceneOrigin("bundled"))
         path.chmod(0o444)
     except _UNREADABLE:
-        _say_once(path.parent)
+        _say_once(f"{path.parent} cannot be written to; name another")
         return False
     for old in path.parent.glob(f"{path.name.split('.')[0]}.*{SUFFIX}"):
         if old != path:
@@ -83,10 +90,9 @@ def _keep(path: Path, scene: Scene, geometry: Geometry) -> bool:
 
 
 @cache
-def _say_once(folder: Path) -> None:
+def _say_once(reason: str) -> None:
     print(
-        f"scenes are made anew by every command, since {folder} cannot be written to; "
-        f"name another folder in {_VARIABLE}",
+        f"scenes are made anew by every command, since {reason} folder in {_VARIABLE}",
         file=sys.stderr,
     )
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -72,11 +72,16 @@ class Notes(Watched):
                 inside=state.inside.copy(),
                 residency=None if resident is None else resident.copy(),
             )
-            copied = replace(
-                selection, ids=np.array(selection.ids), detail=np.array(selection.detail)
-            )
+            most = len(view.scene)
+            ids, detail = (_copied(array, most) for array in (selection.ids, selection.detail))
+            copied = replace(selection, ids=ids, detail=detail)
             self.frames.append(Frame(View(kept, seen.ids, seen.xyz_m), copied))
         return selection
+
+
+def _copied(array: Any, most: int) -> Any:
+    """Return a copy of an array, or what is none or too long, which the simulator refuses."""
+    return array.copy() if type(array) is np.ndarray and array.size <= most else array
 
 
 Kind = TypeVar("Kind", bound=Notes)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.foreign_text import describe_error
 from ...policies.registry import parameters, parse_policy
 from ...policies.selection import Selection
 from ..examples.example import Example, Factory, Frame, Played, play_fresh
@@ -170,7 +171,7 @@ def pickles(factory: Factory, example: Example, _rest: int) -> Failure | None:
     try:
         sent: Any = pickle.loads(pickle.dumps(factory()))  # noqa: S301 - just made
     except Exception as error:  # noqa: BLE001 - a user's class may raise anything
-        return Failure(f"{type(error).__name__}: {error}", cause=error)
+        return Failure(describe_error(error), cause=error)
     here, there = play_fresh(factory, example), example.play(sent)
     return _compare(here.frames, there.frames, " once sent")
 

@@ -35,7 +35,9 @@ def test_a_missing_name_is_told_and_nothing_changes(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [first]
 
 
-@pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.ENOSPC])
+@pytest.mark.parametrize(
+    "number", [errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EPERM, errno.ENOSPC]
+)
 def test_a_file_system_without_it_is_no_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
 ) -> None:

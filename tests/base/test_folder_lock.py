@@ -135,6 +135,16 @@ def test_what_stands_in_a_lock_is_not_believed(tmp_path: Path, left: str) -> Non
         assert "got one that another process writes; wait" in str(refusal(folder))
 
 
+def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path: Path) -> None:
+    """In a folder that others write to, a link could lead to any file of ours."""
+    theirs, folder = tmp_path / "theirs", tmp_path / "run"
+    theirs.write_text("mine", encoding="utf-8")
+    lock_path(folder).symlink_to(theirs)
+    with pytest.raises(InputError, match="expected a folder beside which a lock"), locked(folder):
+        pass
+    assert theirs.read_text(encoding="utf-8") == "mine"
+
+
 def test_names_as_long_as_they_may_be(tmp_path: Path) -> None:
     """A name of 255 bytes has no room for more, so that its lock is named by a digest."""
     folder = tmp_path / ("ü" * 127 + "x")

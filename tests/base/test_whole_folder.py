@@ -1,6 +1,7 @@
 """Folders appear whole, or what was there before stays."""
 
 import platform
+import shutil
 import signal
 import subprocess
 import sys
@@ -204,6 +205,39 @@ def test_places_for_no_folder_are_refused(tmp_path: Path, monkeypatch: pytest.Mo
         with pytest.raises(InputError, match=message):
             require_replaceable(place, OURS, "record")
     require_replaceable(tmp_path / "absent" / "run", OURS, "record", make_parents=True)
+
+
+def test_a_mount_cannot_be_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A volume that a container mounts is told before the work, in which it could not be moved."""
+    monkeypatch.setattr("os.path.ismount", lambda path: Path(path) == tmp_path)  # pyright: ignore[reportUnknownLambdaType, reportUnknownArgumentType]
+    with pytest.raises(InputError, match="got a mount; name a folder in it"):
+        require_replaceable(tmp_path, OURS, "record")
+    require_replaceable(tmp_path / "run", OURS, "record")
+
+
+def test_without_a_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Somebody removed the folder from which the command runs."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    (tmp_path / "here").rmdir()
+    with pytest.raises(InputError, match="got No such file or directory; change to another"):
+        require_replaceable(Path("run"), OURS, "record")
+
+
+@pytest.mark.parametrize("what", ["scratch", "everything"])
+def test_a_folder_that_vanishes_meanwhile_is_told(tmp_path: Path, what: str) -> None:
+    """Somebody tidies up while it is being written: one line, and no leftovers."""
+    parent = tmp_path / "results"
+    parent.mkdir()
+
+    def write() -> None:
+        with whole_folder(parent / "run") as partial:
+            shutil.rmtree(partial.parent if what == "scratch" else parent)
+            (partial / "table.csv").write_text("", encoding="utf-8")
+
+    with pytest.raises(InputError, match="expected a path that can be written, got No such file"):
+        write()
+    assert not list(parent.iterdir()) if what == "scratch" else not parent.exists()
 
 
 def test_what_a_killed_rewrite_left_inside_is_not_foreign(tmp_path: Path) -> None:

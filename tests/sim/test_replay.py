@@ -155,3 +155,31 @@ def test_policies_cannot_write_to_what_they_see(run: Run, scripted: MakePolicy) 
         return selection
 
     assert len(run(scripted([0], write), 4)) == 4
+
+
+def test_a_trace_that_would_not_end_is_refused_before_and_at_its_pace(
+    make_scene: MakeScene,
+    make_hardware: MakeHardware,
+    make_trace: MakeTrace,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At 60 Hz 47 hours are too many frames; so are 40 hours, when frames are seen to take 1 ms.
+
+    That is known when the pace is looked at first, and half of the 144 million frames is told.
+    """
+    monkeypatch.setattr("lodbench.sim.policy_frames._PACE_FRAMES", 100)
+    scene, options = make_scene([(0, 0, -10.0)]), ReplayOptions(budget_ms=10.0)
+
+    def replayed(hours: int, cpu_base_ms: float, frames: int | None = None) -> int:
+        poses = [(float(hour), 0.0, 0.0) for hour in range(hours + 1)]
+        short = make_trace(poses)
+        trace = replace(short, time_s=3600.0 * short.time_s)
+        hardware = make_hardware({}, cpu_base_ms=cpu_base_ms)
+        limited = replace(options, frames=frames)
+        return len(replay(Full(), scene, trace, hardware, limited, name="full"))
+
+    with pytest.raises(InputError, match=r"expected at most 10000000 frames, got 1.02e\+07;"):
+        replayed(47, 250.0)
+    assert replayed(47, 250.0, frames=3) == 3
+    with pytest.raises(InputError, match=r"expected at most 10000000 frames, got 7[.]\d+e\+07;"):
+        replayed(40, 0.01)

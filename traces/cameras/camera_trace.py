@@ -26,6 +26,12 @@ from ...base.errors import InputError
 # last bit, and the sine in slerp's denominator would lose digits.
 _NEARLY_EQUAL = 1.0 - 1e-10
 
+MAX_GAP_S = 3600.0
+"""Time between two poses: more is a clock that was set, or two recordings in one file."""
+
+MAX_LENGTH_S = 48.0 * 3600.0
+"""Time from the first pose to the last."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pose:
@@ -58,7 +64,7 @@ class CameraTrace:
     name
         What tables call it.
     time_s
-        (n,), n >= 1, strictly increasing from 0.
+        (n,), n >= 1, strictly increasing from 0, by at most `MAX_GAP_S`, to at most `MAX_LENGTH_S`.
     position_m
         (n, 3), scene frame.
     orientation_xyzw
@@ -139,12 +145,33 @@ class CameraTrace:
         )
 
 
+def first_too_late(time_s: FloatArray) -> int | None:
+    """Return the first pose that comes too long after the one before it, or after the first one."""
+    late = np.append(False, np.diff(time_s) > MAX_GAP_S) | (time_s - time_s[0] > MAX_LENGTH_S)
+    return int(late.argmax()) if late.any() else None
+
+
+def why_too_late(time_s: FloatArray, at: int) -> str:
+    """Return what is wrong with the pose that `first_too_late` found."""
+    gap_s, since_s = float(time_s[at] - time_s[at - 1]), float(time_s[at] - time_s[0])
+    if gap_s > MAX_GAP_S:
+        return f"expected poses at most an hour apart, got {_days(gap_s)} without one"
+    return f"expected a path of at most {MAX_LENGTH_S / 3600:g} hours, got {_days(since_s)}"
+
+
+def _days(seconds: float) -> str:
+    return f"{seconds:.6g} s ({seconds / 86400.0:.3g} days)"
+
+
 def _check_rules(trace: CameraTrace) -> None:
     if trace.time_s[0] != 0.0 or np.any(np.diff(trace.time_s) <= 0.0):
         raise InputError(
             "expected time_s to increase strictly from 0, got a first time other than 0, or a "
             "repeated or backward time; subtract the first time and drop repeated samples"
         )
+    if (at := first_too_late(trace.time_s)) is not None:
+        what = why_too_late(trace.time_s, at)
+        raise InputError(f"{what} (pose {at} of {len(trace.time_s)}); split the trace there")
     norm = np.linalg.norm(trace.orientation_xyzw, axis=1)
     if np.any(np.abs(norm - 1.0) > 1e-9):
         raise InputError(

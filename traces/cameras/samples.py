@@ -5,6 +5,7 @@ repeated timestamp              within a nanosecond: the later sample is dropped
 backward timestamp              refused
 median interval over 60 s       refused: the times are not in seconds
 time beyond 30,000 years        refused likewise
+gap of more than an hour        refused, as is a path of more than 48 hours
 coordinate beyond 10,000 km     refused: the positions are not in metres
 norm of quaternion off 1 by     up to 0.001: rounding of printed digits, divided by the norm;
                                 up to 0.1: the same, counted; more: refused
@@ -20,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import BoolArray, FloatArray, refuse_rows
 from ...base.errors import InputError
-from .camera_trace import CameraTrace, Repair
+from .camera_trace import CameraTrace, Repair, first_too_late, why_too_late
 
 MIN_INTERVAL_S = 1e-9
 MAX_INTERVAL_S = 60.0
@@ -67,6 +68,10 @@ def trace_from_samples(
     positions = np.asarray(position_m, dtype=np.float64)
     kept = _kept_samples(times, path, lines)
     _check_units(times[kept], positions, path, lines)
+    if (at := first_too_late(times[kept])) is not None:
+        advice = "cut the file there, or correct its times"
+        message = f"{why_too_late(times[kept], at)}; {advice}"
+        raise InputError(message, path=path, line=lines[int(kept[at])])
     orientations, renormalised = _unit(np.asarray(orientation_xyzw, dtype=np.float64), path, lines)
     cuts = np.zeros(len(lines), dtype=np.bool_) if cut is None else np.asarray(cut, dtype=np.bool_)
     # A dropped sample hands its cut to the next one that is kept.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.parquet_file import write_columns
 from ...base.whole_file import whole_file, whole_text_file
-from ...base.whole_folder import require_writable
+from ...base.writable import require_file_writable
 from .formats.log_parquet import HEADER_KEY
 
 _SUFFIXES = (".parquet", ".csv")
@@ -22,7 +22,7 @@ def check_log_path(path: Path, suffixes: Sequence[str] = _SUFFIXES) -> None:
             f"expected a {' or '.join(suffixes)} file in a folder that exists; name such a path"
         )
         raise InputError(message, path=path)
-    require_writable(path.parent)
+    require_file_writable(path)
 
 
 def header_text(value: str) -> str:

@@ -16,8 +16,6 @@ from importlib import import_module
 from .minder import mind
 
 _FDS = 4
-_OPTIONAL = ("scipy.optimize", "scipy.sparse", "casadi")
-"""What some policies import when they need it, loaded while nobody waits."""
 
 
 def serve(fd: int) -> None:
@@ -29,13 +27,14 @@ def serve(fd: int) -> None:
     _load_policies(requests)
     gc.freeze()  # what is loaded stays, and looking at it would copy its pages
     while True:
-        data, fds, _, _ = socket.recv_fds(requests, 1, _FDS)
-        if not data:
-            os._exit(0)
-        _fork(requests, fds)
+        _answer(requests)
 
 
-def _fork(requests: socket.socket, fds: list[int]) -> None:
+def _answer(requests: socket.socket) -> None:
+    """Wait for a request and fork a minder for it; end when there will be no more."""
+    data, fds, _, _ = socket.recv_fds(requests, 1, _FDS)
+    if not data:
+        os._exit(0)
     pid = -1
     with suppress(OSError):  # no process to be had: the engine sees its socket closed
         pid = os.fork()
@@ -54,16 +53,15 @@ def _fork(requests: socket.socket, fds: list[int]) -> None:
 
 
 def _load_policies(requests: socket.socket) -> None:
-    """Import what most policies need, as long as nobody asks for a worker."""
+    """Import our policies, as long as nobody asks for a worker.
+
+    What single ones import when they need it (scipy, casadi) is left out: each start of a worker
+    would copy the tables of its pages.
+    """
     from ....policies.registry import REGISTERED
 
-    loads = [lambda name=name: REGISTERED.find(name) for name in list(REGISTERED)]
-    loads += [lambda name=name: import_module(name) for name in _OPTIONAL]
-    for load in loads:
+    for name in list(REGISTERED):
         while select.select([requests], [], [], 0.0)[0]:
-            data, fds, _, _ = socket.recv_fds(requests, 1, _FDS)
-            if not data:
-                os._exit(0)
-            _fork(requests, fds)
+            _answer(requests)
         with suppress(Exception):  # who needs it will be told why
-            load()
+            REGISTERED.find(name)

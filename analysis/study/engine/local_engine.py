@@ -25,6 +25,7 @@ _GRACE_S = 1.0
 _STARTS = 3
 _CLOSED = "its process closed what it answers through"
 _GARBLED = "its process sent what is no result"
+_MOST_REASON = 1000  # characters
 _LINES, _WIDTH = 20, 200  # of what a policy printed
 
 
@@ -66,7 +67,8 @@ class LocalEngine:
             self._shared = None
         for owner, text in self._printed.items():
             for line in text.decode(errors="replace").splitlines()[-_LINES:]:
-                print(f"{owner} printed: {line[:_WIDTH]}", file=sys.stderr)
+                if sys.stderr is not None:  # a program without a terminal may have none
+                    print(f"{owner} printed: {line[:_WIDTH]}", file=sys.stderr)
         self._printed.clear()
 
     def run(self, tasks: Sequence[Task], *, stop: bool = True) -> Iterator[Outcome]:
@@ -111,7 +113,8 @@ class LocalEngine:
                 self._give(worker)
 
     def _takes(self, worker: Worker) -> bool:
-        return self._schedule.waits(worker.owner) and not self._watch.condemned(worker)
+        fit = not worker.deaf and not self._watch.condemned(worker)
+        return fit and self._schedule.waits(worker.owner)
 
     def _start(self, owner: str) -> Worker:
         assert self._shared is not None, "an engine is entered before it runs"
@@ -184,9 +187,9 @@ class LocalEngine:
             except Exception:  # noqa: BLE001 - whatever is wrong with it, it is no result
                 failure = Failure("failed", _GARBLED, reply.frame)
         elif reply.kind == "not-applicable":
-            failure = Failure("not-applicable", reply.reason)
+            failure = Failure("not-applicable", _one_line(reply.reason))
         else:
-            failure = Failure("failed", reply.reason, reply.frame)
+            failure = Failure("failed", _one_line(reply.reason), reply.frame)
         return Outcome(reply.task, result, failure, reply.took_s, reply.peak_bytes)
 
     def _bury(self, worker: Worker) -> list[Outcome]:
@@ -243,11 +246,18 @@ class LocalEngine:
             self._printed[worker.owner] = self._printed.get(worker.owner, b"") + worker.printed
 
 
-_KILLED = -signal.SIGKILL
+_KILLED = -9  # by SIGKILL, which not every system names
 _FROM_OUTSIDE = (_KILLED, None)
 """How a worker ends that somebody else kills, or its minder; a policy may do the same to it..."""
 _REPEATS = 2
 """...and so its run is repeated, but not for ever."""
+
+
+def _one_line(text: str) -> str:
+    """Return what a worker says in one line of bounded length, without what moves a terminal."""
+    shown = "".join(mark if mark.isprintable() else " " for mark in text[: 2 * _MOST_REASON])
+    line = " ".join(shown.split())
+    return line if len(line) <= _MOST_REASON else f"{line[:_MOST_REASON]}..."
 
 
 def _how_it_ended(status: int | None) -> str:

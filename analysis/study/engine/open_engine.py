@@ -1,9 +1,9 @@
 """The engine that a study is carried out on."""
 
 from ....base.errors import InputError
+from .launch import SERVER
 from .limits import Limits
 from .local_engine import LocalEngine
-from .processes import SERVER
 from .task import Engine, Inputs
 
 

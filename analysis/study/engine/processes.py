@@ -1,115 +1,17 @@
-"""The caller's side of worker processes: how they are started, spoken to, and ended."""
+"""The caller's side of a worker process: how it is spoken to, and ended."""
 
-import atexit
-import json
 import os
 import select
 import signal
 import socket
-import subprocess
-import sys
-import threading
 import time
 from collections import deque
 from contextlib import suppress
 
-from ....base.errors import InputError
+from .launch import launch
 from .messages import Inbox, Message, frame_task
 from .minder import ENDED, STARTED
 from .shared_file import Heart
-from .worker import THREADS
-
-_START = """
-import json, sys
-sys.path[:] = json.loads(sys.argv[2])
-from {package}.fork_server import serve
-serve(int(sys.argv[1]))
-"""
-_ATTEMPTS = 3
-
-
-class ForkServer:
-    """The process that forks workers, started when it is first needed, and again if it is gone."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._requests: socket.socket | None = None
-        self._process: subprocess.Popen[bytes] | None = None
-        self._owner = 0
-
-    def fork(self, fds: tuple[int, ...]) -> None:
-        """Fork a worker that has these descriptors.
-
-        Raises `InputError` if there is no server to be had.
-        """
-        with self._lock:
-            for _ in range(_ATTEMPTS):
-                try:
-                    socket.send_fds(self._running(), [b"f"], fds)
-                except OSError:  # it has ended
-                    self._end()
-                else:
-                    return
-        raise InputError(
-            f"workers: expected {sys.executable} to start, got a process that ended; is the "
-            "installation whole?"
-        )
-
-    def warm_up(self) -> None:
-        """Start the server, so that it loads its modules while the caller does something else."""
-        with self._lock:
-            self._running()
-
-    def _running(self) -> socket.socket:
-        """Return the socket of a server of this very process."""
-        if self._process is not None and self._owner != os.getpid():  # we were forked
-            self._process.returncode = 0
-            self._process = None
-        if self._process is None or self._requests is None:
-            return self._start()
-        return self._requests
-
-    def restart(self) -> None:
-        """End a server that does not answer; the next worker starts another."""
-        with self._lock:
-            self._end()
-
-    def _end(self) -> None:
-        """End the server, with which nothing else ends."""
-        if self._process is not None and self._owner == os.getpid():
-            self._process.kill()
-            self._process.wait()
-            self._process = None
-        if self._requests is not None:
-            self._requests.close()
-            self._requests = None
-
-    def _start(self) -> socket.socket:
-        ours, theirs = socket.socketpair()
-        hashes = {"PYTHONHASHSEED": "0"}  # sets of text are walked in the same order every time
-        with theirs:
-            self._process = subprocess.Popen(  # noqa: S603 - our own module
-                [
-                    sys.executable,
-                    "-c",
-                    _START.format(package=__package__),
-                    str(theirs.fileno()),
-                    json.dumps([str(entry) for entry in sys.path]),
-                ],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno()],
-                env=hashes | dict(os.environ) | THREADS,
-                start_new_session=True,  # Ctrl-C is for the caller
-            )
-        self._requests, self._owner = ours, os.getpid()
-        atexit.register(self._end)
-        return ours
-
-
-SERVER = ForkServer()
-"""That of this process."""
 
 
 class Worker:
@@ -143,11 +45,7 @@ class Worker:
         self._inbox = Inbox(most_bytes)
         self._outbox = bytearray()
         self._about = b""
-        self.channel, theirs = socket.socketpair()
-        self.control, minders = socket.socketpair()
-        with theirs, minders:
-            fds = (minders.fileno(), theirs.fileno(), inputs_fd, self.heart.fd)
-            SERVER.fork(fds)
+        self.channel, self.control = launch(inputs_fd, self.heart.fd)
         self.channel.setblocking(False)
         self.control.setblocking(False)
         self._send(frame_task(-1, setup))
@@ -218,6 +116,8 @@ class Worker:
 
     def force(self) -> None:
         """Kill it and its minder, which does not answer."""
+        if os.name != "posix":
+            return
         for pid, kill in ((self.pid, os.killpg), (self.minder, os.kill)):
             if pid > 0:
                 with suppress(OSError):

@@ -10,7 +10,6 @@ import pickle
 import tempfile
 import time
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from ....base.portable_pickle import portable_pickle
@@ -124,6 +123,5 @@ def _nameless_file(label: str) -> int:
     """Return the descriptor of an empty file in memory, or of a temporary one without a name."""
     if hasattr(os, "memfd_create"):
         return os.memfd_create(label, os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    fd, path = tempfile.mkstemp(prefix=label)
-    Path(path).unlink()
-    return fd
+    with tempfile.TemporaryFile(prefix=label) as file:
+        return os.dup(file.fileno())

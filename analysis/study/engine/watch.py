@@ -3,9 +3,10 @@
 import time
 from dataclasses import dataclass
 
+from .launch import SERVER
 from .limits import Limits
 from .memory import used_bytes
-from .processes import SERVER, Worker
+from .processes import Worker
 
 SLACK_BYTES = 2**27
 """Of the interpreter and its modules, which the size of a process holds beside what is limited."""

@@ -3,7 +3,6 @@
 import importlib
 import os
 import pickle
-import resource
 import socket
 import sys
 import time
@@ -13,6 +12,7 @@ from typing import Any, NoReturn
 
 from ....base.errors import InputError, PolicyError
 from ....policies.registry import register_policy
+from .memory import limit_memory, peak_bytes
 from .messages import Reply, encode_reply, receive_task
 from .shared_file import Heart, load_inputs
 from .task import Inputs, NotApplicableError, Task
@@ -26,9 +26,7 @@ THREADS = {
 CLOSED = 113
 """Exit status of a worker that finds its channel closed."""
 
-_SELF = Path("/proc/self")
 _RECURSION = sys.getrecursionlimit()
-_RSS_UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +48,12 @@ class Setup:
     sizes: list[int]
     registered: dict[str, bytes]
     memory_bytes: int
+
+
+def surroundings() -> dict[str, str]:
+    """Return the environment that a process of workers is started with."""
+    hashes = {"PYTHONHASHSEED": "0"}  # sets of text are walked in the same order every time
+    return hashes | dict(os.environ) | THREADS
 
 
 def here(sizes: list[int], registered: dict[str, bytes], memory_bytes: int) -> Setup:
@@ -75,7 +79,7 @@ class _Session:
     def __init__(self, channel: socket.socket, heart: Heart, inputs: Inputs) -> None:
         self._channel, self._heart, self._inputs = channel, heart, inputs
         self._pid, self._fd = os.getpid(), channel.fileno()
-        self._identity = os.fstat(self._fd).st_ino
+        self._identity = _identity(self._fd)
         self._frame = -1
 
     def serve(self) -> NoReturn:
@@ -106,7 +110,7 @@ class _Session:
         if os.getpid() != self._pid:
             os._exit(0)
         try:
-            if os.fstat(self._fd).st_ino == self._identity:
+            if _identity(self._fd) == self._identity:
                 return
         except OSError:
             pass
@@ -123,7 +127,7 @@ class _Session:
             sys.setrecursionlimit(_RECURSION)  # a policy may have left next to nothing
             reply = _reply_to(index, error, self._frame)
         reply.took_s = time.monotonic() - start
-        reply.peak_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _RSS_UNIT
+        reply.peak_bytes = peak_bytes()
         if reply.kind == "result":
             reply.frame = frame_of(self._frame)
         try:
@@ -138,6 +142,11 @@ class _Session:
             raise
         except BaseException as error:  # whatever the state of a user's object raises
             raise PolicyError("", None, f"its class does not load: {describe(error)}") from error
+
+
+def _identity(fd: int) -> int:
+    """Return what tells a descriptor's file from others; sockets of Windows have no such thing."""
+    return os.fstat(fd).st_ino if os.name == "posix" else 0
 
 
 def frame_of(number: int) -> int | None:
@@ -174,24 +183,8 @@ def _prepare(channel: socket.socket, inputs_fd: int) -> dict[str, Any]:
             register_policy(name, pickle.loads(data))  # noqa: S301 - from the parent process
         except Exception:  # noqa: BLE001, S112 - a name that is looked up is missed by name
             continue
-    _limit(setup.memory_bytes)
+    limit_memory(setup.memory_bytes)
     return inputs
-
-
-def _limit(memory_bytes: int) -> None:
-    """Let allocations beyond so many bytes fail, and leave no picture of a process that crashes."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    try:
-        lines = (_SELF / "status").read_text(encoding="ascii").splitlines()
-        held = next(int(line.split()[1]) for line in lines if line.startswith("VmData"))
-        # Where memory runs out, it is a policy that ends.
-        (_SELF / "oom_score_adj").write_text("1000", encoding="ascii")
-    except (OSError, StopIteration):
-        return  # another system, which does not enforce the limit either
-    _, hard = resource.getrlimit(resource.RLIMIT_DATA)  # whoever started us may have limited us
-    most = 1024 * held + memory_bytes
-    most = most if hard == resource.RLIM_INFINITY else min(most, hard)
-    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def _reply_to(index: int, error: BaseException, frame: int) -> Reply:

@@ -96,15 +96,11 @@ class ResultStore:
     def add(self, at: int, outcome: Outcome) -> None:
         """Keep what became of the run at a position of the study, and its frame log.
 
-        Raises `InputError` if this, or what was added before, cannot be written.
+        Raises `InputError` if what was added before cannot be written.
         """
         result: Scored | Failure = outcome.failure or outcome.result
-        log_hash: str | None = None
-        if isinstance(result, Scored) and result.log is not None:
-            log_hash = write_log(self._folder, self._runs.digests[at], result.log)
-            result = replace(result, log=None)
         self._failed[at] = isinstance(result, Failure)
-        self._commit.add(Entry(at, result, log_hash))
+        self._commit.add(Entry(at, result))
 
     def flush(self) -> None:
         """Return when all that was added is on the disk; raises `InputError` if it cannot be."""
@@ -154,7 +150,7 @@ class ResultStore:
 
     def _write(self, entries: Sequence[Entry]) -> None:
         """Make results durable; in the thread of the group commit."""
-        part = self._write_early(encode(self._runs, entries))
+        part = self._write_early(encode(self._runs, [self._keep_log(item) for item in entries]))
         self._list([*self._manifest.parts, part])
         while merged := find_mergeable(self._manifest.parts):
             rows = pa.concat_tables([read_part(self._folder, part) for part in merged])
@@ -162,6 +158,14 @@ class ResultStore:
             self._list([*(item for item in self._manifest.parts if item not in merged), part])
             for item in merged:
                 (self._folder / PARTS / item.file).unlink()
+
+    def _keep_log(self, entry: Entry) -> Entry:
+        """Write the frame log that a result has, before the row that names it."""
+        result = entry.result
+        if isinstance(result, Failure) or result.log is None:
+            return entry
+        log_hash = write_log(self._folder, self._runs.digests[entry.at], result.log)
+        return Entry(entry.at, replace(result, log=None), log_hash)
 
     def _write_early(self, rows: pa.Table) -> Part:
         part = write_part(self._folder, EARLY, self._number, rows)

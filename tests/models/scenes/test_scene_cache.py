@@ -149,6 +149,55 @@ def test_without_a_folder_scenes_are_made_in_memory(
     assert "LODBENCH_CACHE" in said
 
 
+def test_without_a_home_scenes_are_made_in_memory(
+    counted: tuple[list[int], Build],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """An account that has no home, and no variable that says otherwise, still gets its scene."""
+    for name in ("LODBENCH_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+
+    def no_home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", no_home)
+    monkeypatch.chdir(tmp_path)
+    scene, geometry = cached_scene("balls", counted[1])
+    assert len(geometry()) == len(scene.types.levels.error_m)
+    assert "there is no home folder for them; name a folder in LODBENCH_CACHE" in (
+        capsys.readouterr().err
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("in_the_way", ["folder", "pipe", "loop", "dangling", "unreadable"])
+def test_what_stands_in_the_place_of_a_file(
+    counted: tuple[list[int], Build], folder: Path, in_the_way: str
+) -> None:
+    """A folder of the file's name is passed by; anything else gives way to the scene."""
+    used, build = counted
+    cached_scene("balls", build)
+    path = the_file(folder)
+    path.unlink()
+    if in_the_way == "folder":
+        path.mkdir()
+    elif in_the_way == "pipe":
+        os.mkfifo(path)
+    elif in_the_way == "unreadable":
+        path.write_bytes(b"")
+        path.chmod(0)
+    else:
+        path.symlink_to(path if in_the_way == "loop" else folder / "absent")
+    scene, geometry = cached_scene("balls", build)
+    assert len(geometry()) == len(scene.types.levels.error_m)
+    used.clear()
+    cached_scene("balls", build)
+    assert used == ([1] if in_the_way == "folder" else [])
+    assert [item.name for item in folder.iterdir()] == [path.name]
+
+
 @pytest.mark.slow
 def test_two_processes_make_one_file(tmp_path: Path) -> None:
     """Both return the scene, and leave one whole file and nothing beside it."""

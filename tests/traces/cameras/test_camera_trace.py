@@ -151,3 +151,31 @@ def test_a_pose_is_cheap() -> None:
     middle = trace.duration_s / 2.0
     best_s = min(timeit.repeat(lambda: trace.pose_at(middle), number=1000, repeat=5)) / 1000
     assert best_s < 20e-6
+
+
+def standing(times: list[float]) -> CameraTrace:
+    """Trace of a camera that stands still, at these times."""
+    return make_trace(times, [[0.0] * 3] * len(times), [[0.0, 0.0, 0.0, 1.0]] * len(times))
+
+
+def test_poses_an_hour_apart_are_the_farthest() -> None:
+    """A pose after more than an hour is named by its number, and so is one after two days."""
+    assert standing([0.0, 3600.0, 7200.0]).duration_s == 7200.0
+    ten_years_s = 10 * 365.25 * 86400.0
+    with pytest.raises(InputError) as caught:
+        standing([0.0, 1.0, 1.0 + ten_years_s])
+    assert str(caught.value) == (
+        "expected poses at most an hour apart, got 3.15576e+08 s (3.65e+03 days) without one "
+        "(pose 2 of 3); split the trace there"
+    )
+    hours = [3600.0 * hour for hour in range(49)]
+    assert standing(hours).duration_s == 48 * 3600.0
+    with pytest.raises(InputError, match=r"48 hours, got 172801 s .* \(pose 49 of 50\)"):
+        standing([*hours, 48 * 3600.0 + 1.0])
+
+
+@pytest.mark.parametrize("time_s", [1e308, np.inf, np.nan, -1.0, 0.0])
+def test_arrays_of_times_that_are_none(time_s: float) -> None:
+    """What no clock shows is refused before anything is replayed."""
+    with pytest.raises(InputError, match=r"time_s|an hour apart"):
+        standing([0.0, time_s])

@@ -73,6 +73,12 @@ def results_in_nonsense(policy: Any) -> None:
     score.__dict__["find_steps"] = find_nothing
 
 
+@hostile("its process sent what is no result$")
+def results_in_little(policy: Any) -> None:
+    """Have the code that scores it know no metrics."""
+    score.__dict__["METRICS"] = ()
+
+
 @hostile("TypeError: expected numbers, text and arrays, got Rogue$")
 def results_in_code(policy: Any) -> None:
     """Have its result be an object that runs code where it is unpickled."""

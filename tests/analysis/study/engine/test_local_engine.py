@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from lodbench.analysis.study.engine import launch
 from lodbench.analysis.study.engine.limits import Limits
 from lodbench.analysis.study.engine.local_engine import LocalEngine
 from lodbench.analysis.study.engine.open_engine import open_engine
@@ -196,3 +197,28 @@ def test_a_cluster_needs_its_extra() -> None:
     """An address without what speaks to it is told in one line."""
     with pytest.raises(InputError, match=r"install lodbench\[cluster\]"):
         open_engine({}, scheduler="tcp://127.0.0.1:1")
+
+
+@pytest.mark.slow
+def test_workers_that_are_not_forked_do_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no process can fork, each worker is an interpreter of its own, and ends alike."""
+    monkeypatch.setattr(launch, "FORKS", False)
+
+    def sleeps(_: Any) -> None:
+        time.sleep(1000.0)
+
+    functions: list[Callable[[Any], Any]] = [
+        lambda inputs: float(inputs["array"].sum()),
+        lambda _: os._exit(5),
+        fails,
+        sleeps,
+    ]
+    tasks = list(map(Does, "abcd", functions))
+    with LocalEngine({"array": np.ones(1000)}, 2, Limits(timeout_s=5.0)) as engine:
+        told = {outcome.index: outcome for outcome in engine.run(tasks)}
+    assert told[0].result == 1000.0
+    assert [str(told[index].failure) for index in (1, 2, 3)] == [
+        "frame 0: process ended with status 5 before its result",
+        "frame 12: broken",
+        "frame 0: no frame for 5 s (--policy-timeout)",
+    ]

@@ -58,7 +58,7 @@ def odd_scores(make_scored: Callable[..., Scored]) -> Scored:
     ids = [metric.id for metric in METRICS]
     numbers = [*ODD, nan(1), nan(2), None]
     values = {name: numbers[i % len(numbers)] for i, name in enumerate(ids)}
-    resampled = {ids[0]: np.array([nan(3), -0.0, *ODD]), ids[5]: np.array([1.0])}
+    resampled = {ids[0]: np.array([nan(3), -0.0, *ODD]), ids[5]: np.arange(2.0 + len(ODD))}
     steps = (Step(0, -0.0, math.inf, 5e-324, 0.1, settled=False, overshoot_ratio=nan(4)),)
     return make_scored(1, values=values, resampled=resampled, steps=steps)
 
