@@ -6,6 +6,7 @@ from typing import Any, Self
 import pytest
 
 import lodbench
+from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.engine.task import Failure, Outcome
 from lodbench.analysis.study.score import Scored
 from lodbench.analysis.study.study import Study
@@ -37,7 +38,7 @@ class Timed:
                 yield Outcome(index, None, Failure("failed", "no"), took_s=cold_s + 0.5)
                 continue
             frames = task.options.frames
-            scored = Scored(self._log, {"work_ms_p95": 1.0}, {}, (), frames)
+            scored = Scored(self._log, {metric.id: 1.0 for metric in METRICS}, {}, (), frames)
             yield Outcome(index, scored, None, took_s=cold_s + 1e-3 * frames)
 
 
