@@ -7,7 +7,7 @@ is the strictest.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,8 +134,12 @@ class LeftOut:
     model: Model
     options: SamplerOptions
 
-    owner: ClassVar[str] = "fit"
-    result_type: ClassVar[object] = tuple[FloatArray, float]
+    result_type: ClassVar[Any] = tuple[FloatArray, float]
+
+    @property
+    def owner(self) -> str:
+        """The fit, of which there is one (see `Task`)."""
+        return "fit"
 
     def __call__(self, inputs: Inputs, beat: Beat) -> tuple[FloatArray, float]:
         """Return what `_predict` does (see `Task`)."""

@@ -6,10 +6,10 @@ their own as on a single machine.
 
 import pickle
 import threading
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 from ....base.errors import InputError
 from ....policies.registry import register_policy
@@ -32,7 +32,7 @@ class ClosedTask:
 
     Attributes
     ----------
-    owner, result_type : of the task
+    owner, result_type : of the task, here of each for itself and not of the class
     data : bytes
         Its pickle.
     registered : mapping of str to bytes
@@ -88,7 +88,7 @@ def carry_out(sent: SentInputs, batch: Batch) -> Answer:
     answer = Answer()
     try:
         with sent.engine(batch.owner, limits) as engine, _while_wanted(engine) as unwanted:
-            for outcome in engine.run(batch.tasks, stop=batch.stop):
+            for outcome in engine.run(cast("Sequence[Task]", batch.tasks), stop=batch.stop):
                 if unwanted.is_set():  # the outcome is that of our own interruption
                     raise InterruptedError("nobody waited for this any more")
                 answer.outcomes.append(outcome)

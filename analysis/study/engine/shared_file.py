@@ -79,6 +79,8 @@ def load_inputs(fd: int, sizes: list[int]) -> dict[str, Any]:
 
 
 def _map(fd: int) -> mmap.mmap:
+    if not hasattr(mmap, "MAP_PRIVATE"):
+        return mmap.mmap(fd, 0, access=mmap.ACCESS_READ)
     # Private, though nobody writes: before Linux 6.7 a sealed file cannot be mapped shared at all.
     return mmap.mmap(fd, 0, flags=mmap.MAP_PRIVATE, prot=mmap.PROT_READ)
 

@@ -53,6 +53,7 @@ def test_errors_are_those_of_the_noise(make_sample: MakeSample):
     assert found.log_score == pytest.approx(float(best.mean()), abs=0.03)
 
 
+@pytest.mark.slow
 def test_fits_side_by_side_are_those_one_after_the_other(make_sample: MakeSample):
     """Eight fits on one and on three worker processes: every number of the summary is the same."""
     frames, short = make_sample(frames=8), SamplerOptions(max_steps=20)
