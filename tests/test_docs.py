@@ -91,6 +91,7 @@ LONG = {
     "lod-models.md",
     "recording.md",
     "scenes.md",
+    "sweeps.md",
 }
 """Pages that draw, fit or simplify for some ten seconds; quick tests run each command briefly."""
 

@@ -123,9 +123,9 @@ def _means_of_pairs(pairs: FloatArray, weights: FloatArray) -> FloatArray:
     """
     seeds = pairs.shape[-1]
     apart = 1.0 - np.eye(seeds) if seeds > 1 else np.ones((1, 1))
-    total = np.einsum("br,rs,bs->b", weights, apart, weights)
-    means: FloatArray = np.einsum("br,prs,bs->bp", weights, pairs * apart, weights)
-    return means / total[:, np.newaxis]
+    # A product of matrices a part: one sum over all indices at once is a hundred times as slow.
+    sums = [((weights @ part) * weights).sum(axis=1) for part in (*(pairs * apart), apart)]
+    return np.stack(sums[:-1], axis=1) / sums[-1][:, np.newaxis]
 
 
 def _interval(pairs: FloatArray, shares: FloatArray) -> FloatArray:

@@ -2,21 +2,19 @@
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...base.errors import InputError, require_whole
 from ...policies.policy_spec import PolicySpec
-from ...policies.registry import PolicyLikes, default_policies, specs_of, vary_policy
+from ...policies.registry import PolicyLikes, default_policies, specs_of
 from ...sim.faults import Faults
-from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
+from .axes.blocks import Block, Case
 from .axes.conditions import (
     DEFAULTS,
     FRAME_LIMIT,
-    MACHINE,
     draw_axis,
     machine_axes,
     named_axis,
@@ -44,29 +42,6 @@ BASE_POLICY = "base_policy"
 """Column of results: the policy's label without the parameters that the study varies."""
 
 _ALWAYS = ("policy", "scene", "trace", "hardware", "budget_ms", "draw", "seed")
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """A run of a study, and where it stands on the study's axes.
-
-    Attributes
-    ----------
-    cells : dict of str to Cell
-        By axis, as the columns of a table.
-    """
-
-    run: Run
-    cells: dict[str, Cell]
-
-
-@dataclass(frozen=True, slots=True)
-class _Block:
-    """The runs of one policy: the columns of its own parameters, and all axes."""
-
-    spec: PolicySpec
-    params: dict[str, str]
-    grid: Grid
 
 
 class Study:
@@ -168,11 +143,12 @@ class Study:
         require_known(excluded, [axis for block in self._blocks for axis in block.grid.axes])
         require_listable(len(self))
 
-    def _block(self, spec: PolicySpec, varied: Mapping[str, Any], excluded: Exclusions) -> _Block:
+    def _block(self, spec: PolicySpec, varied: Mapping[str, Any], excluded: Exclusions) -> Block:
         columns = {column_of(name): name for name in varied}
         params = [param_axis(spec, column, name, varied[name]) for column, name in columns.items()]
         policy = Axis("policy", (spec,), (spec.label,))
-        return _Block(spec, columns, Grid((policy, *params, *self._common), excluded))
+        grid = Grid((policy, *params, *self._common), excluded)
+        return Block(spec, columns, grid, self._inputs, self._warmup)
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -276,7 +252,7 @@ class Study:
         """Yield each run with its place on the axes; raises `InputError` as `inputs`."""
         self.inputs  # noqa: B018 - loads what the runs name
         for block in self._blocks:
-            yield from self._cases(block, block.grid)
+            yield from block.cases(block.grid)
 
     def kinds(self) -> Iterator[tuple[int, Case]]:
         """Yield for each policy in each scene how many runs it has, and the middle one.
@@ -286,29 +262,8 @@ class Study:
         self.inputs  # noqa: B018 - loads what the runs name
         for block in self._blocks:
             for count, at in block.grid.middles("scene"):
-                (case,) = self._cases(block, [at])
+                (case,) = block.cases([at])
                 yield count, case
-
-    def _cases(self, block: _Block, places: Iterable[tuple[int, ...]]) -> Iterator[Case]:
-        axes = [(axis.name, axis.values, axis.cells) for axis in block.grid.axes]
-        specs: dict[tuple[Any, ...], PolicySpec] = {}
-        for at in places:
-            values = {name: known[i] for (name, known, _), i in zip(axes, at, strict=True)}
-            cells = {name: known[i] for (name, _, known), i in zip(axes, at, strict=True)}
-            machine = (cells["hardware"], *(values[name] for name in MACHINE))
-            budget_ms = values["budget_ms"]
-            if budget_ms is None:
-                budget_ms = 1e3 / self._inputs.machines[machine].display.refresh_hz
-            cells["budget_ms"] = budget_ms
-            chosen = tuple(values[column] for column in block.params)
-            if chosen not in specs:
-                varied = dict(zip(block.params.values(), chosen, strict=True))
-                specs[chosen] = vary_policy(block.spec, varied) if varied else block.spec
-            values |= {"budget_ms": budget_ms, "frames": values[FRAME_LIMIT]}
-            options = ReplayOptions(**{name: values[name] for name in DEFAULTS})
-            scene, trace, hardware = self._inputs.hashes(cells["scene"], cells["trace"], machine)
-            run = Run(specs[chosen], scene, trace, hardware, options, self._warmup)
-            yield Case(run, {name: cells[name] for name in self.axes if name in cells})
 
 
 def _exclusions(given: Exclude) -> Exclusions:

@@ -91,7 +91,8 @@ class Grid:
             of_value = np.flatnonzero(np.take(self.kept, [value], axis))
             if len(of_value):
                 shape = [1 if at == axis else size for at, size in enumerate(self.kept.shape)]
-                middle = list(np.unravel_index(int(of_value[len(of_value) // 2]), shape))
+                of_axes = np.unravel_index(int(of_value[len(of_value) // 2]), shape)
+                middle: list[int] = np.array(of_axes).tolist()
                 middle[axis] = value
                 yield len(of_value), tuple(middle)
 

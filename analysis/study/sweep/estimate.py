@@ -4,13 +4,14 @@ import math
 import time
 from dataclasses import dataclass, replace
 
+from ..axes.blocks import Case
 from ..engine.task import Engine, Outcome
 from ..results.parts import size_of
 from ..results.record import Entry, encode
 from ..results.store import ROWS
 from ..run import Run
 from ..score import Scored
-from ..study import Case, Study
+from ..study import Study
 
 FRAMES = 300
 """Of a sampled run beyond warm-up; the rest of its path is taken to be like them."""

@@ -148,5 +148,5 @@ def _without_holes(
 def _shown(cell: Any) -> str:
     if isinstance(cell, tuple):  # a policy with its parameters
         parts = cast("tuple[Cell, ...]", cell)
-        return " ".join(str(part) for part in parts if part is not None)
-    return str(cell)
+        return " ".join(_shown(part) for part in parts if part is not None)
+    return f"{cell:.12g}" if isinstance(cell, float) else str(cell)

@@ -72,7 +72,7 @@ def sensitivity_rows(found: Sensitivities) -> PlainTable:
         for item in found.metrics
         for axis, share in item.shares.items()
     ]
-    title = f"share of the variance of {found.runs:,} runs, with its 90 % interval over seeds"
+    title = f"shares of the variance of {found.runs:,} runs"
     header = ("metric", "axis", "share", "low", "high")
     return PlainTable(title, header, rows, ("metric", "axis"))
 

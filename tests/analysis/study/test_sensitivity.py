@@ -65,7 +65,14 @@ def test_common_seeds_do_not_blur_an_effect() -> None:
 def test_what_does_not_vary_has_no_shares() -> None:
     """A constant has no variance to split, nor has one that rounding alone moves."""
     assert split_variance(np.full((3, 2, 2), 0.1)) is None
-    assert split_variance(np.full((3, 2, 2), 1e6) + np.arange(12).reshape(3, 2, 2) * 1e-10) is None
+    assert (
+        split_variance(
+            np.asarray(
+                np.full((3, 2, 2), 1e6) + np.arange(12).reshape(3, 2, 2) * 1e-10, dtype=np.float64
+            )
+        )
+        is None
+    )
 
 
 def ishigami(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:

@@ -148,7 +148,7 @@ def test_the_digest_is_of_what_is_run() -> None:
     given: dict[str, Any] = {"policies": ["full"], "budget_ms": [8, 16], "frames": 60}
     same = Study(**given).run_list().digest
     assert Study(**given, name="other").run_list().digest == same
-    changed = [
+    changed: list[dict[str, Any]] = [
         {"budget_ms": [8, 17]}, {"frames": 61}, {"warmup": 29}, {"policies": ["zach"]},
         {"traces": "walk"}, {"scenes": {"mine": "plaza"}}, {"exclude": [{"budget_ms": 8}]},
         {"seeds": [1]}, {"refresh_hz": 60},

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.engine.task import Failure
 from lodbench.analysis.study.results.manifest import PARTS, Manifest, write_manifest
 from lodbench.analysis.study.results.parts import FINAL, write_part
@@ -28,7 +29,8 @@ def make_up(tmp_path: Path) -> MakeUp:
         for at, case in enumerate(study.cases()):
             found = outcome_of(dict(case.cells))
             if not isinstance(found, Failure):
-                found = Scored(None, dict(found), {}, (), 60)
+                values = dict.fromkeys((metric.id for metric in METRICS), None) | dict(found)
+                found = Scored(None, values, {}, (), 60)
             entries.append(Entry(at, found))
         rows = encode(runs, entries)
         half = len(entries) // 2

@@ -1,0 +1,71 @@
+"""The runs of one policy of a study, made from its grid one after the other."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ....policies.policy_spec import PolicySpec
+from ....policies.registry import vary_policy
+from ....sim.replay import ReplayOptions
+from ..run import Run
+from .conditions import DEFAULTS, FRAME_LIMIT, MACHINE
+from .grid import Cell, Grid
+from .study_inputs import StudyInputs
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A run of a study, and where it stands on the study's axes.
+
+    Attributes
+    ----------
+    cells : dict of str to Cell
+        By axis; those on which the study does not vary are there too.
+    """
+
+    run: Run
+    cells: dict[str, Cell]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The runs of one policy.
+
+    Attributes
+    ----------
+    spec : PolicySpec
+        Without the parameters that vary.
+    params : dict of str to str
+        By axis, the parameter that varies on it.
+    grid : Grid
+        Of the policy, its parameters, and the axes that all policies have.
+    inputs : StudyInputs
+    warmup : int
+    """
+
+    spec: PolicySpec
+    params: dict[str, str]
+    grid: Grid
+    inputs: StudyInputs
+    warmup: int
+
+    def cases(self, places: Iterable[tuple[int, ...]]) -> Iterator[Case]:
+        """Yield the runs at places of the grid, of which scenes and paths are loaded."""
+        axes = [(axis.name, axis.values, axis.cells) for axis in self.grid.axes]
+        specs: dict[tuple[Any, ...], PolicySpec] = {}
+        for at in places:
+            values = {name: known[i] for (name, known, _), i in zip(axes, at, strict=True)}
+            cells = {name: known[i] for (name, _, known), i in zip(axes, at, strict=True)}
+            machine = (cells["hardware"], *(values[name] for name in MACHINE))
+            if values["budget_ms"] is None:
+                refresh_hz = self.inputs.machines[machine].display.refresh_hz
+                values["budget_ms"] = cells["budget_ms"] = 1e3 / refresh_hz
+            chosen = tuple(values[axis] for axis in self.params)
+            if chosen not in specs:
+                varied = dict(zip(self.params.values(), chosen, strict=True))
+                specs[chosen] = vary_policy(self.spec, varied) if varied else self.spec
+            values["frames"] = values[FRAME_LIMIT]
+            options = ReplayOptions(**{name: values[name] for name in DEFAULTS})
+            scene, trace, hardware = self.inputs.hashes(cells["scene"], cells["trace"], machine)
+            run = Run(specs[chosen], scene, trace, hardware, options, self.warmup)
+            yield Case(run, cells)
