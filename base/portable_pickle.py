@@ -4,7 +4,6 @@ import io
 import pickle
 import sys
 from collections.abc import Callable
-from functools import cache
 from operator import attrgetter
 from pathlib import Path
 from types import FunctionType
@@ -13,6 +12,8 @@ from typing import Any
 import cloudpickle
 
 from .user_code import file_of, load_file
+
+_OURS = f"{__name__.partition('.')[0]}."
 
 
 def portable_pickle(
@@ -63,14 +64,13 @@ class _Pickler(cloudpickle.Pickler):
         return pickler.reducer_override(obj)
 
 
-@cache
 def _can_be_imported(name: str) -> bool:
     """Whether a module would be found by its name in a process with the same path.
 
     A test module that pytest loaded from a file is not, though it has a name.
     """
-    if name == "__main__" or name not in sys.modules:
-        return True  # cloudpickle knows better
+    if name.startswith(_OURS) or name == "__main__" or name not in sys.modules:
+        return True  # of the last two cloudpickle knows better
     package, _, _ = name.rpartition(".")
     if package and not (package in sys.modules and _can_be_imported(package)):
         return False
