@@ -201,4 +201,4 @@ def test_a_killed_study_ends_as_one_that_was_not(
         disturb(kind, victim, Random(f"{kind} {victim} {seed}"), place, tally)
         seed += 1
     assert tally.lost == 0
-    print(f"| {kind} | {victim} | {tally.kills} | {tally.repeated} | 0 | 0 |")
+    print(f"| {kind} | {victim} | {tally.kills} | {tally.repeated} | 0 | 0 | 0 |")
