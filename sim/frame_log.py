@@ -6,10 +6,10 @@ column order, of the Parquet files that `write_frame_log` makes.
 """
 
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,31 +162,35 @@ _COUNT_INDEX = {name: i for i, name in enumerate(COUNTS)}
 
 
 class CountRows:
-    """Rows of `COUNTS` that grow frame by frame, each given by the names of its columns."""
+    """Rows of `COUNTS` that grow frame by frame, each given in an order that is named once.
 
-    __slots__ = ("_values",)
+    Parameters
+    ----------
+    names
+        What `append` is given, in its order: all of `COUNTS` and `CONSTANT`.
 
-    def __init__(self) -> None:
-        self._values = array("d")
+    Raises
+    ------
+    KeyError
+        If a name is missing or there is none such.
+    """
 
-    def append(self, row: Mapping[str, float]) -> None:
-        """Add a frame, all of `COUNTS` and `CONSTANT`.
+    __slots__ = ("_in_order", "_values", "_width")
 
-        Raises
-        ------
-        KeyError
-            If a name is missing or there is none such.
-        """
-        # Names are looked up by position in C: a loop in Python would cost more than the frame.
-        values = _IN_ORDER(row)
-        if len(row) != _NAMES:
-            raise KeyError(*(row.keys() - {*COUNTS, *CONSTANT}))
-        self._values.extend(values)
+    def __init__(self, names: Sequence[str]) -> None:
+        if wrong := sorted({*COUNTS, *CONSTANT}.symmetric_difference(names)):
+            raise KeyError(*wrong)
+        self._values, self._width = array("d"), len(names)
+        # By position and in C: a loop over names would cost more than the frame.
+        pick: Any = itemgetter(*map(names.index, COUNTS))
+        self._in_order: Callable[[Sequence[float]], tuple[float, ...]] = pick
+
+    def append(self, row: tuple[float, ...]) -> None:
+        """Add a frame: its values in the order of the names; ValueError if they are not as many."""
+        if len(row) != self._width:
+            raise ValueError(f"expected {self._width} values a frame, got {len(row)}")
+        self._values.extend(self._in_order(row))
 
     def table(self) -> FloatArray:
         """Return the rows so far, (n, len(COUNTS))."""
         return np.frombuffer(self._values, dtype=np.float64).reshape(-1, len(COUNTS))
-
-
-_IN_ORDER = cast("Callable[[Mapping[str, float]], tuple[float, ...]]", itemgetter(*COUNTS))
-_NAMES = len(COUNTS) + len(CONSTANT)

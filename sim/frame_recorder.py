@@ -3,18 +3,19 @@
 import math
 from dataclasses import replace
 
-from ..base.arrays import BoolArray
+from ..base.arrays import BoolArray, FloatArray
 from ..base.errors import PolicyError
+from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
 from ..models.machine.frame_cost import FrameCost
 from ..models.scene.camera import Camera
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
-from ..policies.selection import Selection, Work
+from ..policies.selection import Selection
 from ..policies.view import View
-from .accounting.accounting import Accounting
+from .accounting.accounting import Accounting, Tally
 from .accounting.benefit_bound import BenefitBound
-from .accounting.extraction import Extraction, IndexSets
+from .accounting.extraction import IndexSets
 from .accounting.fronts import Fronts
 from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
@@ -25,14 +26,52 @@ from .simulated_machine import Machine, Submitted
 
 _NS_PER_MS = 1e6
 
+_PREDICTORS = (
+    *GPU_PREDICTORS,
+    "objects_visited",
+    "comparisons",
+    "iterations",
+    "levels_extracted",
+    "triangles_extracted",
+    "levels_borrowed",
+    "objects_culled",
+)
+
+_ROW = (
+    *_PREDICTORS,
+    "fading",
+    "model_gpu_ms",
+    "predicted_gpu_ms",
+    "cpu_ms",
+    "gpu_ms",
+    "select_ms",
+    "toggles",
+    "reversals",
+    "popping_px",
+    "memory_bytes",
+    "loaded_bytes",
+    "visible",
+    "drawn",
+    "missing",
+    "full_gpu_ms",
+    "sse_px_p95",
+    "sse_px_max",
+    "benefit",
+    "full_benefit",
+    "benefit_bound",
+    "degradation",
+    "full_degradation",
+    "x_m",
+    "y_m",
+    "z_m",
+)  # what `FrameRecorder.record` writes of a frame, in its order
+
 
 class FrameRecorder:
     """Keeps the accounts of one replay, under the cost model that is true there.
 
     Attributes
     ----------
-    rows : CountRows
-        What was recorded.
     last_detail : (N,) float64
         Detail at which each node was last drawn; NaN if never.
     """
@@ -61,7 +100,7 @@ class FrameRecorder:
         self._index_sets = IndexSets(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
         self._loaded_bytes = 0
-        self.rows = CountRows()
+        self._rows = CountRows(_ROW)
         self.last_detail = self._accounting.switches.detail
 
     def record(self, view: View, selection: Selection, *, repeats: bool) -> tuple[int, int]:
@@ -82,79 +121,76 @@ class FrameRecorder:
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
         tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
-        extraction = self._extraction(view, selection, drawn)
-        counts = tally.counts | _cpu_counts(view, selection.work, extraction)
-        times = self._machine.run(Submitted(view, selection, drawn, counts, tally.gpu_ms))
-        shown = self._shown(view, selection.render_scale, drawn, tally.gpu_ms)
-        row = {
-            **counts,
-            **shown,
-            "memory_bytes": self._memory.memory_bytes,
-            "loaded_bytes": self._newly_loaded(),
-            "fading": tally.fading,
-            "model_gpu_ms": tally.gpu_ms,
-            "predicted_gpu_ms": selection.predicted_ms,
-            "cpu_ms": times.cpu_ms,
-            "gpu_ms": times.gpu_ms,
-            "select_ms": times.select_ms,
-            "toggles": switches.toggles,
-            "reversals": switches.reversals,
-            "popping_px": switches.popping_px,
-        }
-        self.rows.append(row)
+        counts = (*tally.price.units, *self._cpu_counts(view, selection, drawn))
+        named = dict(zip(_PREDICTORS, counts, strict=True))
+        times = self._machine.run(Submitted(view, selection, drawn, named, tally.gpu_ms))
+        self._rows.append(
+            (
+                *counts,
+                tally.fading,
+                tally.gpu_ms,
+                selection.predicted_ms,
+                times.cpu_ms,
+                times.gpu_ms,
+                times.select_ms,
+                switches.toggles,
+                switches.reversals,
+                switches.popping_px,
+                self._memory.memory_bytes,
+                self._newly_loaded(),
+                *self._shown(view, selection.render_scale, drawn, tally),
+                *view.camera.position_m,
+            )
+        )
         cpu_ns, gpu_ns = round(times.cpu_ms * _NS_PER_MS), round(times.gpu_ms * _NS_PER_MS)
         return max(1, cpu_ns), max(1, gpu_ns)
 
-    def _extraction(self, view: View, selection: Selection, drawn: Drawn) -> Extraction:
+    def counts(self) -> FloatArray:
+        """Return what was recorded of the frames so far (`FrameLog.counts`)."""
+        return self._rows.table()
+
+    def _cpu_counts(self, view: View, selection: Selection, drawn: Drawn) -> tuple[float, ...]:
+        """Return what a frame asks of the CPU beside its draw calls."""
         try:
-            return self._index_sets.record(selection, drawn)
+            extraction = self._index_sets.record(selection, drawn)
         except ValueError as error:
             raise PolicyError(self._policy, view.frame, str(error)) from error
+        work = selection.work
+        return (
+            work.objects_visited,
+            work.comparisons,
+            work.iterations,
+            extraction.levels,
+            extraction.triangles,
+            extraction.borrowed,
+            len(view.scene),
+        )
 
     def _shown(
-        self, view: View, render_scale: float, drawn: Drawn, gpu_ms: float
-    ) -> dict[str, float]:
+        self, view: View, render_scale: float, drawn: Drawn, tally: Tally
+    ) -> tuple[float, ...]:
         """Return what the picture is worth beside that of every candidate at full detail."""
         share = render_scale * render_scale
         units = self._quality.units(view)
         quality = self._quality.score(drawn, units)
-        sse_px_p95, sse_px_max = self._errors.of(drawn)
-        x_m, y_m, z_m = view.camera.position_m
-        return {
-            "visible": len(units.ids),
-            "drawn": len(drawn.ids),
-            "missing": quality.missing,
-            "full_gpu_ms": self._accounting.full_gpu_ms(units),
-            "sse_px_p95": sse_px_p95,
-            "sse_px_max": sse_px_max,
-            "benefit": share * quality.benefit,
-            "full_benefit": quality.full_benefit,
+        return (
+            len(units.ids),
+            len(drawn.ids),
+            quality.missing,
+            self._accounting.full_gpu_ms(units, drawn, tally, share),
+            *self._errors.of(drawn),
+            share * quality.benefit,
+            quality.full_benefit,
             # The bound is that of pictures rendered at full size.
-            "benefit_bound": self._bound.of(view, gpu_ms) if share == 1.0 else math.nan,
-            "degradation": quality.degradation / share,
-            "full_degradation": quality.full_degradation,
-            "x_m": x_m,
-            "y_m": y_m,
-            "z_m": z_m,
-        }
+            self._bound.of(view, tally.gpu_ms) if share == 1.0 else math.nan,
+            quality.degradation / share,
+            quality.full_degradation,
+        )
 
     def _newly_loaded(self) -> float:
         """Return the bytes that the loader read since the frame before."""
         before, self._loaded_bytes = self._loaded_bytes, self._memory.loaded_bytes
         return self._loaded_bytes - before
-
-
-def _cpu_counts(view: View, work: Work, extraction: Extraction) -> dict[str, float]:
-    """Return what a frame asks of the CPU, by predictor, beside its draw calls."""
-    return {
-        "objects_visited": work.objects_visited,
-        "comparisons": work.comparisons,
-        "iterations": work.iterations,
-        "levels_extracted": extraction.levels,
-        "triangles_extracted": extraction.triangles,
-        "levels_borrowed": extraction.borrowed,
-        "objects_culled": len(view.scene),
-    }
 
 
 def _culled(selection: Selection, inside: BoolArray) -> Selection:

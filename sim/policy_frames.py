@@ -92,7 +92,7 @@ class PolicyFrames:
 
     def counts(self) -> FloatArray:
         """Return what was recorded of the frames so far (`FrameLog.counts`)."""
-        return self._recorder.rows.table()
+        return self._recorder.counts()
 
     def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
         """Select, count and price one frame (see `FrameSource`)."""

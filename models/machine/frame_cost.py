@@ -17,6 +17,7 @@ from .cost_terms.term import Footprint, FrameShape, ViewTerm
 from .picture_units import InPicture
 
 _SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
+_OF_TERMS = GPU_PREDICTORS[len(LEVEL_PREDICTORS) :]
 
 
 class Load(NamedTuple):
@@ -24,6 +25,8 @@ class Load(NamedTuple):
 
     Attributes
     ----------
+    times_drawn : (L,) float64
+        How often each level is drawn.
     counts : list of float
         Units of the levels drawn, in the order of `LEVEL_PREDICTORS`.
     level_ms : float
@@ -32,6 +35,7 @@ class Load(NamedTuple):
         Distinct types drawn.
     """
 
+    times_drawn: FloatArray
     counts: list[float]
     level_ms: float
     types: int
@@ -48,11 +52,19 @@ class Price(NamedTuple):
     counts : dict of str to float
         Units of the view's and the frame's terms, by predictor; NaN where a term costs nothing and
         its units take time to count.
+    terms_ms : list of float
+        What these cost, terms of one unit together, in the order in which they are added up.
     """
 
     gpu_ms: float
     load: Load
     counts: dict[str, float]
+    terms_ms: list[float]
+
+    @property
+    def units(self) -> list[float]:
+        """Units in the order of `GPU_PREDICTORS`."""
+        return [*self.load.counts, *map(self.counts.__getitem__, _OF_TERMS)]
 
 
 class _Term(NamedTuple):
@@ -80,6 +92,8 @@ class FrameCost:
         Pixel side of the roofline, per pixel of projected area.
     linear_in_detail : bool
         Whether no term of the view depends on the level.
+    level_by_level : bool
+        Whether what a level adds to a frame is the same wherever it is in the picture.
     """
 
     def __init__(self, model: CostModel, levels: LevelTable) -> None:
@@ -89,8 +103,9 @@ class FrameCost:
         self.geometry_ms = levels.counts @ model.roofline_ms[:width]
         self.pixel_ms = float(model.roofline_ms[_SHADED_SAMPLES])
         self._has_roofline = model.has_roofline
-        self._per_level = np.vstack((levels.counts.T, self.level_ms))
         self._first = levels.start[:-1].astype(np.int64)
+        self._per_level = np.vstack((levels.counts.T, self.level_ms))
+        self._per_finest = self._per_level[:, self._first[levels.type_of_level]]
         terms = [
             _Term(name, term, model.unit_ms(name), tuple(map(self._column, term.reads)))
             for name, term in VIEW_TERMS.items()
@@ -108,6 +123,7 @@ class FrameCost:
         self._last_seen: Footprint | None = None
         self._last_totals: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
+        self.level_by_level = self.linear_in_detail and not self._has_roofline
 
     def _column(self, predictor: str) -> FloatArray:
         return np.ascontiguousarray(self.levels.counts[:, LEVEL_PREDICTORS.index(predictor)])
@@ -146,13 +162,21 @@ class FrameCost:
         shape = FrameShape(pixel_share * viewport_px, load.types)
         for name, term, _ in self._frame_terms:
             counts[name] = term.count(shape)
-        ms = self.model.base_ms + load.level_ms
-        for terms in self._summed:
-            ms += sum([unit_ms * counts[name] for name, unit_ms in terms])
+        terms_ms = [sum([ms * counts[name] for name, ms in terms]) for terms in self._summed]
+        ms = sum(terms_ms, self.model.base_ms + load.level_ms)
         if self._has_roofline:
             geometry = self._at(self.geometry_ms, row, fraction)
             ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
-        return Price(ms, load, counts)
+        return Price(ms, load, counts, terms_ms)
+
+    def finest_ms(self, price: Price) -> float:
+        """Return the GPU time of a priced frame had it drawn the same objects at full detail.
+
+        Only where the model is `level_by_level`.
+        """
+        # What else they cost is where they are, and of how many types.
+        level_ms = sum_rows(self._per_finest, price.load.times_drawn)[-1]
+        return sum(price.terms_ms, self.model.base_ms + level_ms)
 
     def load(self, row: IntArray, fraction: FloatArray | None = None) -> Load:
         """Return what a frame that draws these rows draws of each level."""
@@ -160,11 +184,11 @@ class FrameCost:
         times_drawn = self._times_drawn(row, fraction)
         types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
         *counts, level_ms = sum_rows(self._per_level, times_drawn)
-        return Load(counts, level_ms, types)
+        return Load(times_drawn, counts, level_ms, types)
 
     def counts(self, price: Price) -> dict[str, float]:
         """Return the units of a priced frame by GPU predictor."""
-        return dict(zip(LEVEL_PREDICTORS, price.load.counts, strict=True)) | price.counts
+        return dict(zip(GPU_PREDICTORS, price.units, strict=True))
 
     def fixed_ms(self, viewport_px: float, types: int) -> float:
         """Return what a frame of so many distinct types costs before its first object."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.machine.cost_terms.term import Footprint
-from ...models.machine.frame_cost import FrameCost
+from ...models.machine.frame_cost import FrameCost, Price
 from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
 from ...policies.selection import Selection
@@ -19,11 +19,15 @@ _Rows: TypeAlias = tuple[NDArray[np.int64], FloatArray | None, FloatArray]
 
 
 class Tally(NamedTuple):
-    """Counts of one frame by GPU predictor, its noise-free time, and nodes in a cross-fade."""
+    """What one frame counts and costs without noise, and its nodes in a cross-fade."""
 
-    counts: dict[str, float]
-    gpu_ms: float
+    price: Price
     fading: int
+
+    @property
+    def gpu_ms(self) -> float:
+        """Noise-free GPU time."""
+        return self.price.gpu_ms
 
 
 class Accounting:
@@ -52,7 +56,7 @@ class Accounting:
         if not repeats:
             self._rows = self._place(seen, selection.detail)
         row, fraction, error_m = self._rows
-        return Drawn(seen.ids, selection.detail, row, fraction, seen, error_m, seen.px_per_m)
+        return Drawn(seen.ids, selection.detail, row, fraction, seen, error_m)
 
     def _place(self, seen: View, detail: FloatArray) -> _Rows:
         """Return row, fraction and error of each node's detail."""
@@ -65,8 +69,14 @@ class Accounting:
         row += seen.nodes.finest_row
         return row, None, self._levels.error_m.take(row)
 
-    def full_gpu_ms(self, view: View) -> float:
-        """Return the noise-free GPU time of a view's nodes at full detail: the visible load."""
+    def full_gpu_ms(self, view: View, drawn: Drawn, tally: Tally, pixel_share: float) -> float:
+        """Return the noise-free GPU time of a view's nodes at full detail: the visible load.
+
+        `drawn` and `tally` are what the frame draws, at its share of the window's pixels.
+        """
+        alike = drawn.seen is view and not tally.fading and pixel_share == 1.0
+        if alike and self._costs.level_by_level:
+            return self._costs.finest_ms(tally.price)
         row = view.nodes.finest_row
         if row is not self._full_row:
             self._full_row, self._full_load = row, self._costs.load(row)
@@ -99,7 +109,7 @@ class Accounting:
             pixel_share=render_scale * render_scale,
             load=load,
         )
-        return Tally(self._costs.counts(price), price.gpu_ms, len(at))
+        return Tally(price, len(at))
 
 
 class _DrawnTwice:

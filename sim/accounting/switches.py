@@ -35,8 +35,6 @@ class Drawn:
         Of these nodes; `area_px` is its.
     error_m : float64
         Geometric error of the level, before scale.
-    px_per_m : float64
-        Screen-space error in px of one metre of error before scale, at the node's nearest point.
     """
 
     ids: IntArray
@@ -45,7 +43,11 @@ class Drawn:
     fraction: FloatArray | None
     seen: View
     error_m: FloatArray
-    px_per_m: FloatArray
+
+    @property
+    def px_per_m(self) -> FloatArray:
+        """Error in px of one metre of error before scale, at each node's nearest point, (m,)."""
+        return self.seen.px_per_m
 
     @property
     def area_px(self) -> FloatArray:

@@ -40,10 +40,10 @@ def test_tables_of_another_shape_are_refused(
 
 def test_rows_are_given_by_name() -> None:
     """Whatever the order of names, values land in their columns; what is constant in none."""
-    rows = CountRows()
     names = [*reversed(COUNTS), *CONSTANT]
+    rows = CountRows(names)
     for frame in range(2):
-        rows.append({name: 100.0 * frame + k for k, name in enumerate(names)})
+        rows.append(tuple(100.0 * frame + k for k in range(len(names))))
     table = rows.table()
     assert table.shape == (2, len(COUNTS))
     assert table[0].tolist() == list(range(len(COUNTS)))[::-1]
@@ -51,13 +51,19 @@ def test_rows_are_given_by_name() -> None:
 
 
 def test_rows_of_other_names_are_refused() -> None:
-    """A name that is missing, and one that is no column, are named, and no frame is added."""
-    rows, row = CountRows(), dict.fromkeys((*COUNTS, *CONSTANT), 0.0)
+    """A name that is missing, and one that is no column, are named."""
+    names = [*COUNTS, *CONSTANT]
     with pytest.raises(KeyError, match="lag_ms"):
-        rows.append(row | {"lag_ms": 0.0})
-    del row["toggles"]
+        CountRows([*names, "lag_ms"])
+    names.remove("toggles")
     with pytest.raises(KeyError, match="toggles"):
-        rows.append(row)
-    with pytest.raises(KeyError, match="toggles"):
-        rows.append(row | {"lag_ms": 0.0})
+        CountRows(names)
+
+
+def test_a_row_of_another_length_is_refused() -> None:
+    """A frame with a value too few, or too many, is not taken for one of other columns."""
+    rows = CountRows([*COUNTS, *CONSTANT])
+    for count in (len(COUNTS), len(COUNTS) + len(CONSTANT) + 1):
+        with pytest.raises(ValueError, match="values a frame"):
+            rows.append((0.0,) * count)
     assert len(rows.table()) == 0
