@@ -77,7 +77,7 @@ def check(
     from ..analysis.gate.measurements import MeasureOptions, measure_run
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..base.writable import require_file_writable
+    from ..base.files.writable import require_file_writable
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if update_baseline:

@@ -205,7 +205,7 @@ def _check_outputs(
     from ..analysis.fit.fitted_profile import require_for_profile
     from ..analysis.fit.plots import require_plots
     from ..analysis.fit.terms import parse_terms
-    from ..base.writable import found_above, require_file_writable, require_writable
+    from ..base.files.writable import found_above, require_file_writable, require_writable
 
     if plots is not None:
         require_plots()

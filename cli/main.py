@@ -95,7 +95,7 @@ def _print_error(line: str) -> None:
 
 def _print_full(error: OSError) -> bool:
     """Tell of a full disk, if that is what happened to an output without a name, as stdout is."""
-    from ..base.scratch import FULL
+    from ..base.files.scratch import FULL
 
     full = error.errno in FULL
     if full:

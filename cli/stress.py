@@ -59,7 +59,7 @@ def stress(
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
     from ..analysis.study.inputs import load_trace
-    from ..base.writable import require_file_writable
+    from ..base.files.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
     from ..models.scene.scene_catalog import load_scene
     from ..policies.registry import parse_policy
@@ -127,7 +127,7 @@ def stress(
 
 def _write_limits(path: Path, metric: str, policy: str) -> None:
     """Write limits that fail when the policy gets worse on the path, all or nothing."""
-    from ..base.whole_file import write_whole
+    from ..base.files.whole_file import write_whole
 
     text = (
         f"# Found by `lodbench stress {policy}`: the path must not become worse than it is.\n"

@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 
 from ..base.errors import InputError
-from ..base.parquet_file import ParquetColumns, write_columns
-from ..base.strict_json import decode_json
-from ..base.whole_file import whole_file
+from ..base.files.parquet_file import ParquetColumns, write_columns
+from ..base.files.strict_json import decode_json
+from ..base.files.whole_file import whole_file
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 
 _SCHEMA = "lodbench.frame-log/1"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base.errors import PolicyError
-from ..base.whole_file import write_whole
+from ..base.files.whole_file import write_whole
 from ..models.machine.profile_writer import write_profile
 from ..models.scene.scene_file import write_scene
 from ..traces.cameras.write_trace import write_trace

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...base.errors import InputError
-from ...base.whole_file import whole_file
+from ...base.files.whole_file import whole_file
 from .sampling.sampler import Chain
 
 _MOST_POINTS = 20_000

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.strict_json import read_json
-from ...base.whole_file import write_whole
+from ...base.files.strict_json import read_json
+from ...base.files.whole_file import write_whole
 from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 

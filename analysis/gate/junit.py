@@ -5,7 +5,7 @@ from operator import attrgetter
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ...base.whole_file import write_whole
+from ...base.files.whole_file import write_whole
 from .check_result import CheckReport
 from .judgement import Verdict
 from .plain_text import describe, explain

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any, cast, get_args
 
 from ...base.errors import InputError
-from ...base.strict_toml import TomlDocument, read_toml
+from ...base.files.strict_toml import TomlDocument, read_toml
 from ..metrics.metric_registry import find_metric
 from .amount import Amount, parse_amount
 from .limits import Kind, Limit, LimitRules, Rule

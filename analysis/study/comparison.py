@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from ...base.files.strict_json import read_json
 from ...base.html_table import html_table
-from ...base.strict_json import read_json
 from ..metrics.metric import Better
 from ..metrics.metric_registry import METRICS
 from ..metrics.steps import Step

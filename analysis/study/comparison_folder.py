@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 from ...base.content_hash import hash_bytes
 from ...base.errors import InputError
-from ...base.strict_json import encode_record, read_json
-from ...base.whole_file import write_whole
-from ...base.whole_folder import require_replaceable, whole_folder
+from ...base.files.strict_json import encode_record, read_json
+from ...base.files.whole_file import write_whole
+from ...base.files.whole_folder import require_replaceable, whole_folder
 from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report

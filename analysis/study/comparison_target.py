@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ...base.content_hash import content_hash
 from ...base.errors import InputError
-from ...base.whole_folder import claimed_folder
+from ...base.files.whole_folder import claimed_folder
 from ...sim.frame_log import FrameLog
 from .code_hash import package_hash
 from .comparison import Comparison

@@ -4,7 +4,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...base.whole_folder import claimed_folder, whole_folder
+from ...base.files.whole_folder import claimed_folder, whole_folder
 from ...render.gl.image_comparison import PictureFolder, require_images
 from .recordings import Recorded
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.strict_json import encode_record
-from ...base.whole_folder import claimed_folder, require_replaceable, whole_folder
+from ...base.files.strict_json import encode_record
+from ...base.files.whole_folder import claimed_folder, require_replaceable, whole_folder
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ...traces.logs.log_writer import header_text, write_log
 from ...traces.logs.read_log import read_render_log

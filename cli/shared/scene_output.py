@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...analysis.report.console_tables import titled_table
 from ...base.errors import InputError
-from ...base.writable import require_file_writable
+from ...base.files.writable import require_file_writable
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from collections.abc import Mapping

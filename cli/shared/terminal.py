@@ -43,7 +43,7 @@ def failure_of(write: Callable[[], object]) -> InputError | OSError | None:
 
 def print_record(record: object) -> None:
     """Print a result, a dataclass with a schema, as one JSON document."""
-    from ...base.strict_json import encode_record
+    from ...base.files.strict_json import encode_record
 
     print(encode_record(record).decode(), end="")
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError, about_file
-from ...base.strict_json import decode_json
+from ...base.files.strict_json import decode_json
 from .gltf_schema import Document, pick
 
 _MAX_FILE_BYTES = 1 << 30

@@ -13,8 +13,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.files.strict_toml import TomlDocument, read_toml
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
-from ...base.strict_toml import TomlDocument, read_toml
 from .cost import CostModel, CpuCostModel
 from .hardware import Display, HardwareProfile, Posterior, Provenance
 from .residual import Residual

@@ -12,8 +12,8 @@ import numpy as np
 import tomli_w
 
 from ...base.arrays import FloatArray
+from ...base.files.whole_file import write_whole
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
-from ...base.whole_file import write_whole
 from .hardware import HardwareProfile, Posterior
 from .profile_file import PER_MS, SCHEMA
 

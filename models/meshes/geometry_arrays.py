@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.array_archive import ArrayArchive
 from ...base.errors import InputError
+from ...base.files.array_archive import ArrayArchive
 from .geometry import Geometry, LevelMesh
 
 

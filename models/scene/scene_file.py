@@ -13,11 +13,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.array_archive import ArrayArchive, open_archive, write_archive
 from ...base.arrays import declared_arrays
 from ...base.errors import InputError
+from ...base.files.array_archive import ArrayArchive, open_archive, write_archive
+from ...base.files.strict_json import decode_json
 from ...base.predictors import LEVEL_PREDICTORS
-from ...base.strict_json import decode_json
 from ..meshes.geometry import Geometry
 from ..meshes.geometry_arrays import pack_geometry, unpack_geometry
 from .cells import Cells

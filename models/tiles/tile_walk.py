@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError, about_file
-from ...base.strict_json import decode_json
+from ...base.files.strict_json import decode_json
 from .bounding_volumes import read_volume
 from .implicit_tiling import expand, fill_template, subdivide
 from .tile_folder import Folder

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
-from ...base.whole_file import whole_file
+from ...base.files.whole_file import whole_file
 from ...models.meshes.geometry import Geometry
 from ...models.scene.camera import Camera
 from .raster import Canvas

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.whole_file import whole_file, whole_text_file
+from ...base.files.whole_file import whole_file, whole_text_file
 from ...traces.logs.read_log import read_render_log
 
 _COUNTS = ("draw_calls", "triangles", "shaded_samples")

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from ...base.whole_file import whole_text_file
+from ...base.files.whole_file import whole_text_file
 
 Phase = Literal["X", "C", "i", "s", "t", "f", "M"]
 

@@ -104,7 +104,7 @@ def test_a_folder_that_another_run_writes_is_told_before_the_work(
     code = (
         "import sys, time\n"
         "from pathlib import Path\n"
-        "from lodbench.base.folder_lock import locked\n"
+        "from lodbench.base.files.folder_lock import locked\n"
         "with locked(Path(sys.argv[1])):\n"
         "    print('held', flush=True)\n"
         "    time.sleep(60)\n"

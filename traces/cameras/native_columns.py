@@ -8,7 +8,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
-from ...base.strict_json import decode_json
+from ...base.files.strict_json import decode_json
 from .camera_trace import CameraTrace, Repair
 from .samples import trace_from_samples
 

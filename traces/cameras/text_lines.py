@@ -8,7 +8,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.text_file import read_text
+from ...base.files.text_file import read_text
 
 
 def read_lines(path: Path) -> list[str]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...base.errors import InputError
-from ...base.whole_file import whole_file
+from ...base.files.whole_file import whole_file
 from .camera_trace import CameraTrace
 from .read_trace import FORMATS
 

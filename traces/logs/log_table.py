@@ -16,7 +16,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.text_file import read_text
+from ...base.files.text_file import read_text
 
 # What tools write where they measured nothing; a 0 is a number here and judged later.
 MISSING = ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "-")

@@ -7,9 +7,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
-from ...base.parquet_file import write_columns
-from ...base.whole_file import whole_file, whole_text_file
-from ...base.writable import require_file_writable
+from ...base.files.parquet_file import write_columns
+from ...base.files.whole_file import whole_file, whole_text_file
+from ...base.files.writable import require_file_writable
 from .formats.log_parquet import HEADER_KEY
 
 _SUFFIXES = (".parquet", ".csv")

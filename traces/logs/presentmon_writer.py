@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.whole_file import whole_text_file
+from ...base.files.whole_file import whole_text_file
 from .timings import FrameTimings
 
 _MISSING = "NA"

@@ -12,7 +12,7 @@ import emcee
 import numpy as np
 
 from ....base.errors import InputError
-from ....base.whole_file import whole_file
+from ....base.files.whole_file import whole_file
 
 _KEYS = ("chain", "log_prob", "accepted", "random_keys", "random_rest", "identity")
 

@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ....base.content_hash import hash_bytes
-from ....base.scratch import sweep
+from ....base.files.scratch import sweep
 from ....sim.frame_log import FrameLog
 from ....sim.frame_log_file import read_frame_log, write_frame_log
 

@@ -12,8 +12,8 @@ import msgspec
 
 from ....base.content_hash import content_hash
 from ....base.errors import InputError
-from ....base.strict_json import encode_record, read_json
-from ....base.whole_file import write_whole
+from ....base.files.strict_json import encode_record, read_json
+from ....base.files.whole_file import write_whole
 from .record import SCHEMA
 
 MANIFEST = "manifest.json"

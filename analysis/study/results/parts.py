@@ -15,7 +15,7 @@ from pyarrow import parquet
 
 from ....base.content_hash import hash_bytes
 from ....base.errors import InputError
-from ....base.whole_file import write_whole
+from ....base.files.whole_file import write_whole
 from .manifest import PARTS, Part
 
 FAN = 16

@@ -9,7 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from ....base.errors import InputError
-from ....base.scratch import flush_names, sweep
+from ....base.files.scratch import flush_names, sweep
 from .frame_logs import is_sound, sweep_logs
 from .manifest import PARTS, Manifest, Part, is_later, read_manifest, write_manifest
 from .parts import EARLY, NAME, number_of, read_part, write_part

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Literal
 
 from ....base.errors import InputError
-from ....base.strict_json import encode_record, read_json
-from ....base.whole_file import write_whole
+from ....base.files.strict_json import encode_record, read_json
+from ....base.files.whole_file import write_whole
 from ..engine.task import Outcome
 
 RUN_INFO = "run-info.json"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ....base.errors import InputError
-from ....base.folder_lock import lock_path
+from ....base.files.folder_lock import lock_path
 from ..engine.task import Failure, Outcome
 from .manifest import PARTS
 from .run_info import Stopwatch

@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ....base.errors import InputError
-from ....base.whole_folder import claimed_folder
+from ....base.files.whole_folder import claimed_folder
 from ..engine.task import Engine
 from ..results.manifest import OURS, read_manifest
 from ..results.record import Entry, encode

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn, cast
 
 from ....base.errors import InputError
-from ....base.strict_toml import TomlDocument, read_toml
+from ....base.files.strict_toml import TomlDocument, read_toml
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import parse_policy
 from ....sim.faults import parse_faults

@@ -16,7 +16,7 @@ from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison_folder import write_results
 from lodbench.analysis.study.score import World
 from lodbench.base.errors import InputError
-from lodbench.base.strict_json import encode_record
+from lodbench.base.files.strict_json import encode_record
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy

@@ -13,7 +13,7 @@ from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison, read_comparison
 from lodbench.base.errors import InputError
-from lodbench.base.strict_json import encode_record
+from lodbench.base.files.strict_json import encode_record
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.bounds.full import Full

@@ -18,8 +18,8 @@ from lodbench.analysis.validation.validate import (
 from lodbench.analysis.validation.validation_page import render_validation
 from lodbench.analysis.validation.validation_result import Validation
 from lodbench.base.errors import InputError
+from lodbench.base.files.strict_json import encode_record
 from lodbench.base.predictors import GPU_PREDICTORS
-from lodbench.base.strict_json import encode_record
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile, Posterior
 from lodbench.models.machine.residual import Residual

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....base.arrays import FloatArray, refuse_rows
 from ....base.errors import InputError
-from ....base.parquet_file import ParquetColumns, write_columns
+from ....base.files.parquet_file import ParquetColumns, write_columns
 from ..camera_trace import CameraTrace
 from ..native_columns import (
     SCHEMA,

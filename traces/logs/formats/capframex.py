@@ -20,9 +20,9 @@ import numpy as np
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ....base.strict_json import read_json
-from ....base.text_file import read_text
-from ....base.whole_file import write_whole
+from ....base.files.strict_json import read_json
+from ....base.files.text_file import read_text
+from ....base.files.whole_file import write_whole
 from ..log_format import LogFormat, LogHead
 from ..log_timings import log_from_timings
 from ..timings import FrameTimings, complete_timings

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ....base.errors import InputError
-from ....base.parquet_file import ParquetColumns
+from ....base.files.parquet_file import ParquetColumns
 from ..log_build import build_log
 from ..log_columns import find_columns
 from ..log_format import Columns, LogFormat

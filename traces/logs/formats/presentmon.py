@@ -25,7 +25,7 @@ import numpy as np
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ....base.text_file import read_encoded
+from ....base.files.text_file import read_encoded
 from ..log_format import LogFormat
 from ..log_table import LogTable, split_table
 from ..log_timings import log_from_timings

@@ -19,7 +19,7 @@ from lodbench.analysis.study import comparison_folder
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.results import commit, parts, store
 from lodbench.analysis.study.study import Study
-from lodbench.base import whole_folder
+from lodbench.base.files import whole_folder
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
 from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import msgspec
 
-from .errors import InputError
+from ..errors import InputError
 from .text_file import read_text
 
 T = TypeVar("T")

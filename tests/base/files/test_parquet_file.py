@@ -9,7 +9,7 @@ import pytest
 from pyarrow import parquet
 
 from lodbench.base.errors import InputError
-from lodbench.base.parquet_file import ParquetColumns, write_columns
+from lodbench.base.files.parquet_file import ParquetColumns, write_columns
 
 
 def test_columns_and_texts_come_back(tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base import exchange as module
-from lodbench.base.exchange import exchange
+from lodbench.base.files import exchange as module
+from lodbench.base.files.exchange import exchange
 
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="the call is Linux's")
 

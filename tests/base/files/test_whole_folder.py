@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base import whole_folder as module
+from lodbench.base.files import whole_folder as module
 from lodbench.base.errors import InputError
-from lodbench.base.whole_file import write_whole
-from lodbench.base.whole_folder import claimed_folder, require_replaceable, whole_folder
+from lodbench.base.files.whole_file import write_whole
+from lodbench.base.files.whole_folder import claimed_folder, require_replaceable, whole_folder
 
 OURS = r"table\.csv|frames(/.*\.png)?"
 
@@ -92,7 +92,7 @@ def test_the_next_write_brings_back_what_a_killed_run_moved_away(tmp_path: Path)
     code = (
         "import os, signal, sys\n"
         "from pathlib import Path\n"
-        "from lodbench.base import whole_folder\n"
+        "from lodbench.base.files import whole_folder\n"
         "rename = Path.rename\n"
         "def kill(self, target):\n"
         "    if self.name == 'new':\n"
@@ -118,7 +118,7 @@ def test_a_second_writer_is_refused_before_its_work(tmp_path: Path) -> None:
         "import sys\n"
         "from pathlib import Path\n"
         "from lodbench.base.errors import InputError\n"
-        "from lodbench.base.whole_folder import claimed_folder\n"
+        "from lodbench.base.files.whole_folder import claimed_folder\n"
         "try:\n"
         "    with claimed_folder(Path(sys.argv[1]), 'first', 'record'):\n"
         "        print('begins its work')\n"

@@ -15,7 +15,7 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .errors import InputError
+from ..errors import InputError
 from .file_lock import NO_LOCKS, lock_file, unlock_file
 from .folder_lock import sweep_locks
 

@@ -4,7 +4,7 @@ import os
 import stat
 from pathlib import Path
 
-from .errors import InputError
+from ..errors import InputError
 
 
 def require_writable(folder: Path) -> None:

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base import folder_lock
+from lodbench.base.files import folder_lock
 from lodbench.base.errors import InputError
-from lodbench.base.folder_lock import lock_path, locked
+from lodbench.base.files.folder_lock import lock_path, locked
 
 HOLDER = (
     "import sys, time\n"
     "from pathlib import Path\n"
-    "from lodbench.base.folder_lock import locked\n"
+    "from lodbench.base.files.folder_lock import locked\n"
     "with locked(Path(sys.argv[1])):\n"
     "    print('held', flush=True)\n"
     "    time.sleep(60)\n"

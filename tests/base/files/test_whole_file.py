@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.whole_file import whole_file, whole_text_file, write_whole
+from lodbench.base.files.whole_file import whole_file, whole_text_file, write_whole
 
 INTERRUPTIONS = [ValueError, KeyboardInterrupt, SystemExit]
 
@@ -58,7 +58,7 @@ def test_the_next_write_removes_what_a_killed_run_left(tmp_path: Path) -> None:
     killed = run(
         "import os, signal, sys\n"
         "from pathlib import Path\n"
-        "from lodbench.base.whole_file import whole_text_file\n"
+        "from lodbench.base.files.whole_file import whole_text_file\n"
         "with whole_text_file(Path(sys.argv[1])) as file:\n"
         "    file.write('half')\n"
         "    file.flush()\n"

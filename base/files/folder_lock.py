@@ -17,7 +17,7 @@ from contextvars import ContextVar
 from datetime import UTC, datetime
 from pathlib import Path
 
-from .errors import InputError
+from ..errors import InputError
 from .file_lock import NO_LOCKS, holds, lock_file, unlock_file
 
 _LONGEST_NAME_BYTES = 200  # of 255 that file systems allow

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base.file_lock import holds, lock_file, unlock_file
+from lodbench.base.files.file_lock import holds, lock_file, unlock_file
 
 HOLDER = (
     "import os, signal, sys, time\n"
     "from pathlib import Path\n"
-    "from lodbench.base.file_lock import lock_file\n"
+    "from lodbench.base.files.file_lock import lock_file\n"
     "lock_file(Path(sys.argv[1]))\n"
     "if sys.argv[2] == 'fork' and os.fork() == 0:\n"
     "    time.sleep(60)\n"

@@ -14,8 +14,8 @@ from typing import Any, NoReturn, TypeVar, cast
 
 import msgspec
 
-from .errors import InputError
-from .nearest_names import unknown_name
+from ..errors import InputError
+from ..nearest_names import unknown_name
 from .text_file import read_text
 
 Record = TypeVar("Record")

@@ -8,7 +8,7 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .errors import InputError
+from ..errors import InputError
 from .exchange import exchange
 from .folder_lock import locked
 from .scratch import MOVED, NEW, flush, flush_names, scratch_beside, sweep

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.strict_json import decode_json, read_json
+from lodbench.base.files.strict_json import decode_json, read_json
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ PowerShell makes UTF-16LE.  A second mark, left by a tool whose output was redir
 import codecs
 from pathlib import Path
 
-from .errors import InputError
+from ..errors import InputError
 
 MAX_BYTES = 1 << 30
 """A million frames of the widest log read here are 0.4 GB."""

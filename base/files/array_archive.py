@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError, about_file
+from ..errors import InputError, about_file
 from .whole_file import whole_file
 
 _DATE = (1980, 1, 1, 0, 0, 0)

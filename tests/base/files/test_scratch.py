@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base import scratch
-from lodbench.base.file_lock import lock_file, unlock_file
-from lodbench.base.scratch import scratch_beside, sweep
+from lodbench.base.files import scratch
+from lodbench.base.files.file_lock import lock_file, unlock_file
+from lodbench.base.files.scratch import scratch_beside, sweep
 
 
 def left_by(folder: Path, process: int) -> Path:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.base.errors import InputError
-from lodbench.base.strict_toml import TomlDocument
+from lodbench.base.files.strict_toml import TomlDocument
 
 TEXT = """\
 # max = 1 and [gpu] in a comment

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.writable import require_file_writable, require_movable, require_writable
+from lodbench.base.files.writable import require_file_writable, require_movable, require_writable
 
 ASK = (
     "import sys\n"
     "from pathlib import Path\n"
-    "from lodbench.base import writable\n"
+    "from lodbench.base.files import writable\n"
     "from lodbench.base.errors import InputError\n"
     "try:\n"
     "    getattr(writable, sys.argv[1])(Path(sys.argv[2]))\n"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.text_file import MAX_BYTES, read_encoded, read_text
+from lodbench.base.files.text_file import MAX_BYTES, read_encoded, read_text
 
 TEXT = "ms,µs\r\n1,2\n"
 

@@ -11,8 +11,8 @@ import pytest
 CODE = """
 import os, signal, sys
 from pathlib import Path
-from lodbench.base import whole_folder
-from lodbench.base.whole_file import write_whole
+from lodbench.base.files import whole_folder
+from lodbench.base.files.whole_file import write_whole
 
 STEPS = {"open", "fcntl.flock", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.truncate"}
 root, what = Path(sys.argv[1]), sys.argv[2]
