@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from lodbench.analysis.study.engine.dask_engine import DaskEngine
-from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.engine.cluster.dask_engine import DaskEngine
+from lodbench.analysis.study.engine.local.local_engine import LocalEngine
 from lodbench.analysis.study.engine.task import Engine
 from lodbench.base.user_code import load_object
 

@@ -61,7 +61,7 @@ def scheduler(cluster: Any) -> str:
 @pytest.mark.slow
 def test_no_scheduler_is_one_line(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every command that takes --scheduler ends with 2 and says what to start."""
-    monkeypatch.setattr("lodbench.analysis.study.engine.dask_cluster.CONNECT_S", 0.5)
+    monkeypatch.setattr("lodbench.analysis.study.engine.cluster.dask_cluster.CONNECT_S", 0.5)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"

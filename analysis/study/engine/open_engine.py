@@ -1,8 +1,8 @@
 """The engine that a study is carried out on."""
 
-from .launch import SERVER
 from .limits import Limits
-from .local_engine import LocalEngine
+from .local.launch import SERVER
+from .local.local_engine import LocalEngine
 from .task import Engine, Inputs
 
 
@@ -27,7 +27,7 @@ def open_engine(
         Address of a Dask scheduler (see `Cluster`); None for this machine.
     """
     if scheduler is not None:
-        from .dask_engine import DaskEngine
+        from .cluster.dask_engine import DaskEngine
 
         return DaskEngine(inputs, scheduler, limits)
     return LocalEngine(inputs, workers, limits)
@@ -41,6 +41,6 @@ def prepare_engine(scheduler: str | None = None) -> None:
     if scheduler is None:
         SERVER.warm_up()
         return
-    from .dask_cluster import require_cluster
+    from .cluster.dask_cluster import require_cluster
 
     require_cluster(scheduler)

@@ -7,8 +7,8 @@ import pytest
 from lodbench.analysis.study import comparison_folder as output
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison
-from lodbench.base.files import whole_folder
 from lodbench.base.errors import InputError
+from lodbench.base.files import whole_folder
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy

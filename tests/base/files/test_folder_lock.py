@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base.files import folder_lock
 from lodbench.base.errors import InputError
+from lodbench.base.files import folder_lock
 from lodbench.base.files.folder_lock import lock_path, locked
 
 HOLDER = (

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base.files import whole_folder as module
 from lodbench.base.errors import InputError
+from lodbench.base.files import whole_folder as module
 from lodbench.base.files.whole_file import write_whole
 from lodbench.base.files.whole_folder import claimed_folder, require_replaceable, whole_folder
 

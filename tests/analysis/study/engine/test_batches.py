@@ -1,6 +1,6 @@
 """Batches by hand: their sizes, what is told when, and what a failure leaves out."""
 
-from lodbench.analysis.study.engine.batches import Batches
+from lodbench.analysis.study.engine.cluster.batches import Batches
 from lodbench.analysis.study.engine.task import Failure, Outcome
 
 FAILED = Failure("failed", "expected a Selection, got None", 0)

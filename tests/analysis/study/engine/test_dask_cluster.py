@@ -15,14 +15,14 @@ from typing import Any
 
 import pytest
 
-from lodbench.analysis.study.engine import dask_cluster
-from lodbench.analysis.study.engine.dask_engine import DaskEngine
-from lodbench.analysis.study.engine.open_engine import open_engine
-from lodbench.analysis.study.engine.versions import (
+from lodbench.analysis.study.engine.cluster import dask_cluster
+from lodbench.analysis.study.engine.cluster.dask_engine import DaskEngine
+from lodbench.analysis.study.engine.cluster.versions import (
     Versions,
     describe_difference,
     versions_here,
 )
+from lodbench.analysis.study.engine.open_engine import open_engine
 from lodbench.base.errors import InputError
 from lodbench.base.user_code import load_object
 
@@ -139,7 +139,8 @@ def test_the_page_names_the_times_that_hold() -> None:
 def test_nothing_of_dask_is_loaded_before_a_cluster_is_named() -> None:
     """Importing both engines loads neither Dask nor, ever, pandas."""
     script = (
-        "import sys; from lodbench.analysis.study.engine import dask_engine, open_engine; "
+        "import sys; from lodbench.analysis.study.engine import open_engine; "
+        "from lodbench.analysis.study.engine.cluster import dask_engine; "
         "print({'dask', 'distributed', 'pandas'} & set(sys.modules))"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

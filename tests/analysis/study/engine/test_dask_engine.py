@@ -15,10 +15,10 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
-from lodbench.analysis.study.engine import dask_engine
-from lodbench.analysis.study.engine.dask_engine import DaskEngine
+from lodbench.analysis.study.engine.cluster import dask_engine
+from lodbench.analysis.study.engine.cluster.dask_engine import DaskEngine
 from lodbench.analysis.study.engine.limits import Limits
-from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.engine.local.local_engine import LocalEngine
 from lodbench.analysis.study.engine.task import Outcome
 from lodbench.base.errors import InputError
 from lodbench.base.user_code import load_object
@@ -171,7 +171,7 @@ def test_a_client_that_is_killed_leaves_nothing_running(cluster: Any, tmp_path: 
     """Nobody waits for its tasks any more: their processes end though they would hang."""
     (tmp_path / "tasks.py").write_text(TASKS)
     (tmp_path / "client.py").write_text(
-        "from lodbench.analysis.study.engine.dask_engine import DaskEngine\n"
+        "from lodbench.analysis.study.engine.cluster.dask_engine import DaskEngine\n"
         "from lodbench.base.user_code import load_object\n"
         f"add = load_object({str(tmp_path / 'tasks.py')!r} + ':Add', 'task')\n"
         f"with DaskEngine({{}}, {cluster.scheduler_address!r}) as engine:\n"

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import pytest
 
 from lodbench.analysis.study.engine.limits import Limits
-from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.engine.local.local_engine import LocalEngine
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from lodbench.analysis.study.engine import launch
 from lodbench.analysis.study.engine.limits import Limits
-from lodbench.analysis.study.engine.local_engine import LocalEngine
+from lodbench.analysis.study.engine.local import launch
+from lodbench.analysis.study.engine.local.local_engine import LocalEngine
 from lodbench.analysis.study.engine.task import NotApplicableError, Outcome
 from lodbench.base.errors import InputError, PolicyError
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lodbench.analysis.study.engine.messages import (
+from lodbench.analysis.study.engine.local.messages import (
     GarbledError,
     Inbox,
     Message,

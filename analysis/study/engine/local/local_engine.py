@@ -8,15 +8,15 @@ from collections.abc import Iterator, Sequence
 from selectors import EVENT_READ, EVENT_WRITE, DefaultSelector
 from typing import Self
 
-from ....base.errors import InputError
-from ....base.portable_pickle import portable_pickle
-from ....policies.registry import REGISTERED
-from .limits import Limits, count_processors
+from .....base.errors import InputError
+from .....base.portable_pickle import portable_pickle
+from .....policies.registry import REGISTERED
+from ..limits import Limits, count_processors
+from ..schedule import Schedule
+from ..task import Failure, Inputs, Outcome, Task
 from .messages import GarbledError, Message
 from .processes import Worker, end_all
-from .schedule import Schedule
 from .shared_file import SharedInputs
-from .task import Failure, Inputs, Outcome, Task
 from .watch import SLACK_BYTES, Verdict, Watch
 from .worker import CLOSED, here
 

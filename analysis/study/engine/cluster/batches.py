@@ -7,8 +7,8 @@ ones travel alone, since what travels together is told together and lost togethe
 from collections import deque
 from collections.abc import Sequence
 
-from .schedule import Schedule
-from .task import Outcome
+from ..schedule import Schedule
+from ..task import Outcome
 
 _BATCH_S = 0.3  # wall time that a batch is to take: progress is seen, and messages are few
 _MOST = 32  # tasks in a batch: their results travel together, and hold a frame log each

@@ -5,7 +5,7 @@ import sys
 from dataclasses import dataclass, fields
 from importlib.metadata import version
 
-from ..code_hash import code_hash
+from ...code_hash import code_hash
 
 
 @dataclass(frozen=True, slots=True)

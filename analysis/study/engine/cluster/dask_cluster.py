@@ -17,7 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ....base.errors import InputError
+from .....base.errors import InputError
 from .dask_worker import mismatch
 from .versions import describe_difference, versions_here
 

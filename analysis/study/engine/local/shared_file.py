@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any, Self
 
-from ....base.portable_pickle import portable_pickle
-from .task import Inputs
+from .....base.portable_pickle import portable_pickle
+from ..task import Inputs
 
 _ALIGNMENT = 64
 """Of arrays in the file, in bytes: as numpy allocates them."""

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 
-from ....base.errors import InputError
+from .....base.errors import InputError
 from .spawned import spawn
 from .worker import surroundings
 

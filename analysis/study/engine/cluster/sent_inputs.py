@@ -7,9 +7,9 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from .limits import Limits
-from .local_engine import LocalEngine
-from .shared_file import SharedInputs
+from ..limits import Limits
+from ..local.local_engine import LocalEngine
+from ..local.shared_file import SharedInputs
 
 
 class SentInputs:

@@ -11,12 +11,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
-from ....base.errors import InputError
-from ....policies.registry import register_policy
-from .limits import Limits, available_bytes
-from .local_engine import LocalEngine
+from .....base.errors import InputError
+from .....policies.registry import register_policy
+from ..limits import Limits, available_bytes
+from ..local.local_engine import LocalEngine
+from ..task import Beat, Inputs, Outcome, Task
 from .sent_inputs import SentInputs
-from .task import Beat, Inputs, Outcome, Task
 from .versions import Versions, describe_difference, versions_here
 
 _SHARE = 0.8

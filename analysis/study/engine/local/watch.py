@@ -3,8 +3,8 @@
 import time
 from dataclasses import dataclass
 
+from ..limits import Limits
 from .launch import SERVER
-from .limits import Limits
 from .memory import used_bytes
 from .processes import Worker
 

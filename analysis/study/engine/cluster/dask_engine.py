@@ -10,16 +10,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any, Self
 
-from ....base.errors import InputError
-from ....base.portable_pickle import portable_pickle
-from ....policies.registry import REGISTERED
+from .....base.errors import InputError
+from .....base.portable_pickle import portable_pickle
+from .....policies.registry import REGISTERED
+from ..limits import Limits
+from ..local.shared_file import SharedInputs
+from ..task import Failure, Inputs, Outcome, Task
 from .batches import Batches
 from .dask_cluster import LOST, Cluster, QuietDask
 from .dask_worker import Answer, Batch, ClosedTask, carry_out
-from .limits import Limits
 from .sent_inputs import SentInputs
-from .shared_file import SharedInputs
-from .task import Failure, Inputs, Outcome, Task
 
 AHEAD = 2
 """Batches for each thread of the cluster: one that is carried out, one that waits."""

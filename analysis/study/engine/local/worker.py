@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ....base.errors import InputError, PolicyError
-from ....policies.registry import register_policy
+from .....base.errors import InputError, PolicyError
+from .....policies.registry import register_policy
+from ..task import Inputs, NotApplicableError, Task
 from .memory import limit_memory, peak_bytes
 from .messages import Reply, encode_reply, receive_task
 from .shared_file import Heart, load_inputs
-from .task import Inputs, NotApplicableError, Task
 
 THREADS = {
     f"{library}_NUM_THREADS": "1"

@@ -23,7 +23,7 @@ def serve(fd: int) -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)  # the caller's to handle, who then closes the socket
     requests = socket.socket(fileno=fd)
-    import_module("..run", __package__)
+    import_module("...run", __package__)
     _load_policies(requests)
     gc.freeze()  # what is loaded stays, and looking at it would copy its pages
     while True:
@@ -58,7 +58,7 @@ def _load_policies(requests: socket.socket) -> None:
     What single ones import when they need it (scipy, casadi) is left out: each start of a worker
     would copy the tables of its pages.
     """
-    from ....policies.registry import REGISTERED
+    from .....policies.registry import REGISTERED
 
     for name in list(REGISTERED):
         while select.select([requests], [], [], 0.0)[0]:

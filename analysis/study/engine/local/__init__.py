@@ -1,0 +1,1 @@
+"""Worker processes of this machine, each of which runs one policy only."""
