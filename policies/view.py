@@ -7,6 +7,7 @@ import numpy as np
 
 from ..base.arrays import BoolArray, FloatArray, IntArray
 from ..models.scene.camera import Camera, area_of_spheres, eccentricity_deg
+from ..models.scene.motion import Placed
 from ..models.scene.nodes import Nodes, per_node
 from ..models.scene.scene import Scene
 from .frame_times import Completed
@@ -21,8 +22,8 @@ class FrameState:
     ----------
     scene : Scene
     camera : Camera
-    centers_m : (3, N) float64
-        Centres of the bounding spheres of all nodes at this frame's time.
+    centers : Placed
+        Where the centres of all bounding spheres are at this frame's time.
     frame : int
     time_ns : int
         Simulated time at which the input was sampled.
@@ -37,13 +38,13 @@ class FrameState:
         Camera of the last frame, `step_s` seconds earlier.
     residency : (N,) bool or None
         Nodes whose data are in memory; None where nothing is streamed.
-    previous_centers_m : (3, N) float64 or None
+    previous_centers : Placed or None
         Centres in the last frame; None where no node moves.
     """
 
     scene: Scene
     camera: Camera
-    centers_m: FloatArray
+    centers: Placed
     frame: int
     time_ns: int
     last_detail: FloatArray
@@ -53,7 +54,12 @@ class FrameState:
     previous_camera: Camera | None = None
     step_s: float = 0.0
     residency: BoolArray | None = None
-    previous_centers_m: FloatArray | None = None
+    previous_centers: Placed | None = None
+
+    @property
+    def centers_m(self) -> FloatArray:
+        """Centres of the bounding spheres of all nodes at this frame's time, (3, N), read-only."""
+        return self.centers.all_m
 
 
 class View:
@@ -185,10 +191,8 @@ class View:
         before, step_s = self.state.previous_camera, self.state.step_s
         if before is None or step_s <= 0.0:
             return np.zeros(len(self.ids))
-        centers_m = self.state.previous_centers_m
-        if centers_m is None:
-            centers_m = self.state.centers_m
-        old = before.to_camera(centers_m.take(self.nodes.at, axis=1))
+        centers = self.state.previous_centers or self.state.centers
+        old = before.to_camera(centers.all_m.take(self.nodes.at, axis=1))
         return _angle_deg(old, self.xyz_m) / step_s
 
     @per_node

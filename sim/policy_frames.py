@@ -11,7 +11,7 @@ from ..base.foreign_text import describe_error
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
-from ..models.scene.motion import Centers
+from ..models.scene.motion import Centers, Placed
 from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
@@ -53,7 +53,7 @@ class PolicyFrames:
         self._end_ns = round(trace.duration_s * 1e9)
         self._fovy_rad = math.radians(options.fovy_deg)
         self._centers = Centers(scene.center_m, scene.motion)
-        self._culler = Culler(scene.radius_m, scene.cells)
+        self._culler = Culler(self._centers, scene.radius_m, scene.blocks, scene.cells)
         self._nodes = Nodes(self._scene, np.zeros(0, dtype=np.int32))
         self._tree = None if scene.flat else Tree(scene)
         streaming = policy.capabilities.loader and not scene.flat
@@ -77,7 +77,7 @@ class PolicyFrames:
         self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
-        self._previous_centers_m: FloatArray | None = None
+        self._previous_centers: Placed | None = None
         self._previous_s = 0.0
         self._pace_ns = 0
         try:
@@ -106,7 +106,7 @@ class PolicyFrames:
         view = self._show(frame, time_ns)
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera
-        self._previous_s, self._previous_centers_m = time_ns * 1e-9, view.state.centers_m
+        self._previous_s, self._previous_centers = time_ns * 1e-9, view.state.centers
         costs_ns = self._recorder.record(view, selection, repeats=self._check.repeats)
         # What is wanted is read while the frame is drawn: the next one may have it, not this one.
         self._memory.want(time_ns, selection.wanted)
@@ -115,13 +115,12 @@ class PolicyFrames:
     def _show(self, frame: int, time_ns: int) -> View:
         time_s = time_ns * 1e-9
         camera = self._camera(time_s)
-        centers_m = self._centers.at(time_s)
-        ids, xyz_m = self._culler.cull(centers_m, camera)
-        centers_m = centers_m[:3]
+        centers = self._centers.at(time_s)
+        ids, xyz_m = self._culler.cull(centers, camera)
         state = FrameState(
             self._scene,
             camera,
-            centers_m,
+            centers,
             frame,
             time_ns,
             self._recorder.last_detail,
@@ -131,7 +130,7 @@ class PolicyFrames:
             self._previous_camera,
             time_s - self._previous_s,
             self._memory.resident,
-            self._previous_centers_m,
+            self._previous_centers,
         )
         if ids is not self._nodes.ids:
             self._nodes = Nodes(self._scene, ids)

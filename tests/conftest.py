@@ -20,6 +20,7 @@ from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.camera import Camera
 from lodbench.models.scene.frustum import Culler
 from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.motion import Centers
 from lodbench.models.scene.scene import ObjectTypes, Scene
 from lodbench.policies.frame_times import Completed
 from lodbench.policies.view import FrameState, View
@@ -200,13 +201,20 @@ def build_view(
 ) -> View:
     """Build what a policy sees of a scene at rest, with past details and reported work times."""
     camera = camera or Camera((0.0, 0.0, 0.0), UPRIGHT, 100, 100, np.pi / 2)
-    centers_m = np.ascontiguousarray(scene.center_m.T)
-    culler = Culler(scene.radius_m)
-    ids, xyz_m = culler.cull(centers_m, camera)
+    centers = Centers(scene.center_m, scene.motion)
+    culler = Culler(centers, scene.radius_m, scene.blocks)
+    ids, xyz_m = culler.cull(centers.at(0.0), camera)
     times = np.repeat(np.asarray(work_ms, dtype=np.float64)[:, None], 4, axis=1)
     last = np.broadcast_to(np.asarray(detail, dtype=np.float64), (len(scene),))
     seen = FrameState(
-        scene, camera, centers_m, len(times), 0, last, Completed(times, len(times)), culler.inside
+        scene,
+        camera,
+        centers.at(0.0),
+        len(times),
+        0,
+        last,
+        Completed(times, len(times)),
+        culler.inside,
     )
     return View(replace(seen, **state), ids, xyz_m)
 

@@ -26,8 +26,6 @@ class Camera:
     fovy_rad : vertical field of view, in (0, π)
     near_m : near plane, positive
     focal_px : derived, height / (2 tan(fovy / 2))
-    axes : (3, 3) float64, derived
-        Rows: the camera's right, up and forward directions in the scene frame.
     pose : (3, 4) float64, derived
         The axes, and what a point at the scene's origin has along them: a product with
         (x, y, z, 1) gives coordinates in the camera's frame.
@@ -40,22 +38,37 @@ class Camera:
     fovy_rad: float
     near_m: float = 0.1
     focal_px: float = field(init=False)
-    axes: FloatArray = field(init=False, repr=False)
     pose: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.fovy_rad < math.pi or self.near_m <= 0.0:
             raise InputError("camera: expected field of view in (0, 180) degrees and near > 0")
-        axes, pose = _place(self.position_m, self.orientation_xyzw)
         focal_px = self.height_px / (2.0 * math.tan(self.fovy_rad / 2.0))
-        axes.flags.writeable = pose.flags.writeable = False
-        for name, value in (("focal_px", focal_px), ("axes", axes), ("pose", pose)):
-            object.__setattr__(self, name, value)
+        object.__setattr__(self, "focal_px", focal_px)
+        object.__setattr__(self, "pose", _pose(self.position_m, self.orientation_xyzw))
+
+    @property
+    def axes(self) -> FloatArray:
+        """Rows: the camera's right, up and forward directions in the scene frame, (3, 3)."""
+        return self.pose[:, :3]
 
     @property
     def viewport_px(self) -> int:
         """Pixels of the viewport."""
         return self.width_px * self.height_px
+
+    def place(self, points: FloatArray) -> FloatArray:
+        """Return (3, n) right, up and forward coordinates of (4, n) points (x, y, z, 1), read-only.
+
+        Raises `ValueError` if points are without their row of ones.
+        """
+        n = points.shape[1]
+        local_m = np.empty((3, n))
+        for start in range(0, n, _BLOCK):
+            part = slice(start, start + _BLOCK)
+            np.matmul(self.pose, points[:, part], out=local_m[:, part])
+        local_m.flags.writeable = False
+        return local_m
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
         """Return (3, n) right, up and forward coordinates of (3, n) scene points."""
@@ -68,10 +81,10 @@ class Camera:
         return np.concatenate([self.axes @ part + origin_m for part in parts], axis=1)
 
 
-def _place(
+def _pose(
     position_m: tuple[float, float, float], orientation_xyzw: tuple[float, float, float, float]
-) -> tuple[FloatArray, FloatArray]:
-    """Return a camera's axes and pose: once a frame, hence in plain numbers.
+) -> FloatArray:
+    """Return a camera's pose, read-only: once a frame, hence in plain numbers.
 
     The axes are the rows of the transposed rotation matrix, the last one negated: cameras look
     along -z.
@@ -83,9 +96,9 @@ def _place(
     a = -(ax * px + ay * py + az * pz)
     b = -(bx * px + by * py + bz * pz)
     c = -(cx * px + cy * py + cz * pz)
-    axes = np.array((ax, ay, az, bx, by, bz, cx, cy, cz), dtype=np.float64)
-    pose = np.array((ax, ay, az, a, bx, by, bz, b, cx, cy, cz, c), dtype=np.float64)
-    return axes.reshape(3, 3), pose.reshape(3, 4)
+    pose = np.array(((ax, ay, az, a), (bx, by, bz, b), (cx, cy, cz, c)), dtype=np.float64)
+    pose.flags.writeable = False
+    return pose
 
 
 def projected_area_px(

@@ -1,15 +1,19 @@
-"""Frustum culling of bounding spheres, block by block over struct-of-arrays buffers."""
+"""Frustum culling of bounding spheres: whole blocks of neighbours first, then what is left."""
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from .camera import Camera
 from .cells import Cells
+from .motion import Centers, Placed
+from .sphere_blocks import SphereBlocks
 
-_BLOCK = 4_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
 _PLANES = 5  # left, right, bottom, top and near
+_TOGETHER = 8_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
+_NOWHERE = np.zeros(0, dtype=np.intp)
 
 
 class Culler:
@@ -21,88 +25,154 @@ class Culler:
     plane; there is no far plane.  This keeps some spheres that only meet the planes' extensions,
     as engines' sphere tests do, and never drops one that is in view.  With `cells`, what walls hide
     is dropped too.
+
+    Nodes at rest stand in blocks.  Where a block lies wholly inside or outside its nodes do; only
+    those of the other blocks, and those that move, are tested one by one.
     """
 
-    def __init__(self, radius_m: FloatArray, cells: Cells | None = None) -> None:
+    def __init__(
+        self,
+        centers: Centers,
+        radius_m: FloatArray,
+        blocks: SphereBlocks,
+        cells: Cells | None = None,
+    ) -> None:
+        """Take where the nodes are, their radii, (N,), and blocks of those that never move."""
         n = len(radius_m)
-        size = min(_BLOCK, n)
-        self._cells = cells
-        self._behind_m = -radius_m  # how far behind a plane a centre may be
+        self._centers, self._blocks, self._cells = centers, blocks, cells
         self._lens: tuple[float, ...] = ()
-        self._normals = np.zeros((_PLANES + 3, 3))
-        self._local_m = np.empty((_PLANES + 3, size))
-        self._least_m = np.empty(size)
-        self._keep = np.zeros(n, dtype=np.bool_)
-        self.inside = self._keep.view()
+        self._normals = np.zeros((_PLANES, 3))
+        self._in_frustum = np.zeros(n, dtype=np.bool_)
+        self._inside = self._in_frustum if cells is None else np.zeros(n, dtype=np.bool_)
+        self.inside = self._inside.view()
         self.inside.flags.writeable = False
-        # Of the last cull, block by block: masks, positions, and the ids of all blocks.
-        self._starts = range(0, n, _BLOCK)
-        self._masks = [b""] * len(self._starts)
-        self._at = [np.zeros(0, dtype=np.intp)] * len(self._starts)
+        self._seen: BoolArray | None = None
+        # Of each node that moves, which of them it is; -1 of the others.
+        self._rank = np.full(n, -1, dtype=np.intp)
+        self._rank[centers.moving] = np.arange(len(centers.moving))
+        # Blocks, 0 outside, 1 between and 2 inside; and what is tested in a frame: all blocks,
+        # nodes of those between, and nodes that move.  Of these, how far behind a plane the centres
+        # may be, and the last answers.
+        self._state = np.zeros(len(blocks), dtype=np.uint8)
+        self._moving_m = centers.rest_m.take(centers.moving, axis=1)
+        self._moving_radius_m = radius_m.take(centers.moving)
+        self._take_blocks()
+        self._answer = b"", b""
+        # The candidates, their centres, and where among these are x and y of which moving ones.
+        self._at = _NOWHERE
         self._ids: IntArray = np.zeros(0, dtype=np.int32)
+        self._points = np.zeros((4, 0))
+        self._moved_at = self._moved = _NOWHERE
 
-    def cull(self, centers_m: FloatArray, camera: Camera) -> tuple[IntArray, FloatArray]:
+    def cull(self, now: Placed, camera: Camera) -> tuple[IntArray, FloatArray]:
         """Return ids of candidates, ascending, and their (3, m) camera coordinates; read-only.
 
-        `centers_m` is (3, N), scene coordinates of the spheres' centres, or (4, N) with a last row
-        of ones.  Where the candidates are those of the cull before, the ids are the same array.
+        Where the candidates are those of the cull before, the ids are the same array.
         """
-        if len(centers_m) == 3:
-            centers_m = np.concatenate((centers_m, np.ones((1, centers_m.shape[1]))))
-        rows = self._rows(camera)
-        seen = None if self._cells is None else self._cells.seen_from(camera.position_m)
-        parts: list[FloatArray] = []
-        stays = True
-        for block, start in enumerate(self._starts):
-            local_m = self._cull_block(start, rows, centers_m, seen)
-            # Candidates often stay, and to compare masks takes less time than to gather anew.
-            mask = self._keep[start : start + _BLOCK].tobytes()
-            if mask != self._masks[block]:
-                stays = False
-                self._masks[block] = mask
-                self._at[block] = self._keep[start : start + _BLOCK].nonzero()[0]
-            parts.append(local_m[_PLANES:].take(self._at[block], axis=1))
-        if not stays:
-            at = [at + start for at, start in zip(self._at, self._starts, strict=True)]
-            self._ids = np.concatenate(at, dtype=np.int32, casting="same_kind")
-            self._ids.flags.writeable = False
-        xyz_m = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        xyz_m.flags.writeable = False
-        return self._ids, xyz_m
+        changes = self._test(self._planes(camera), now)
+        if self._cells is not None:
+            seen = self._cells.seen_from(camera.position_m)
+            if changes or seen is not self._seen:
+                changes, self._seen = True, seen
+                np.logical_and(self._in_frustum, seen, out=self._inside)
+        if changes:
+            self._gather()
+        if len(self._moved):
+            moved_m = now.moved_m.reshape(-1).take(self._moved)
+            self._points.reshape(-1)[self._moved_at] = moved_m
+        return self._ids, camera.place(self._points)
 
-    def _cull_block(
-        self, start: int, rows: FloatArray, centers_m: FloatArray, seen: BoolArray | None
-    ) -> FloatArray:
-        """Cull the nodes from `start` on; return what rows say of their centres, (8, size)."""
-        keep = self._keep[start : start + _BLOCK]
-        stop = start + len(keep)
-        local_m, least_m = self._local_m[:, : len(keep)], self._least_m[: len(keep)]
-        np.matmul(rows, centers_m[:, start:stop], out=local_m)
-        np.minimum.reduce(local_m[:_PLANES], axis=0, out=least_m)
-        np.greater_equal(least_m, self._behind_m[start:stop], out=keep)
-        if seen is not None:
-            np.logical_and(keep, seen[start:stop], out=keep)
-        return local_m
+    def _test(self, planes: FloatArray, now: Placed) -> bool:
+        """Find what is in the frustum; return whether any has changed, or may have."""
+        blocks = len(self._blocks)
+        least_m = self._measure(planes, now)
+        reaches = least_m >= self._behind_m
+        within = least_m[:blocks] >= self._blocks.around_m
+        # Candidates often stay, and to compare bytes takes less time than to gather anew.
+        answer = reaches.tobytes(), within.tobytes()
+        if answer == self._answer:
+            return False
+        state = reaches[:blocks].view(np.uint8) + within.view(np.uint8)
+        if (state != self._state).any():
+            self._change_blocks(state)
+            reaches = self._measure(planes, now) >= self._behind_m
+            answer = reaches.tobytes(), answer[1]
+        self._answer = answer
+        self._in_frustum[self._nodes] = reaches[blocks:]
+        return True
 
-    def _rows(self, camera: Camera) -> FloatArray:
-        """Return the planes, and below them the camera's pose, as rows over (x, y, z, 1)."""
+    def _measure(self, planes: FloatArray, now: Placed) -> FloatArray:
+        """Return how far inside the planes the centres of what is tested are at least."""
+        moving = now.moved_m.shape[1]
+        if moving:
+            self._tested[:2, -moving:] = now.moved_m
+        return _least_m(planes, self._tested)
+
+    def _gather(self) -> None:
+        """Gather the candidates, unless they are those of the cull before."""
+        at = self._inside.nonzero()[0]
+        if np.array_equal(at, self._at):
+            return
+        self._at, self._ids = at, at.astype(np.int32)
+        self._ids.flags.writeable = False
+        self._points = self._centers.rest_m.take(at, axis=1)
+        if len(self._centers.moving):
+            rank = self._rank.take(at)
+            column = (rank >= 0).nonzero()[0]
+            rank = rank.take(column)
+            self._moved_at = np.concatenate((column, column + len(at)))
+            self._moved = np.concatenate((rank, rank + len(self._centers.moving)))
+
+    def _change_blocks(self, state: NDArray[np.uint8]) -> None:
+        """Go over to other states of the blocks."""
+        changed = state != self._state
+        self._state = state
+        for whole in (0, 2):
+            at = (changed & (state == whole)).nonzero()[0]
+            self._in_frustum[self._blocks.nodes.take(at, axis=0)] = whole == 2
+        self._take_blocks()
+
+    def _take_blocks(self) -> None:
+        """Gather what is tested: all blocks, nodes of those between, and nodes that move."""
+        blocks, at = self._blocks, (self._state == 1).nonzero()[0]
+        nodes = blocks.nodes.take(at, axis=0).reshape(-1)
+        points = blocks.points.take(at, axis=1).reshape(4, -1)
+        radius_m = blocks.radius_m.take(at, axis=0).reshape(-1)
+        self._nodes = np.concatenate((nodes, self._centers.moving))
+        self._tested = np.concatenate((blocks.around, points, self._moving_m), axis=1)
+        self._behind_m = -np.concatenate((blocks.around_m, radius_m, self._moving_radius_m))
+
+    def _planes(self, camera: Camera) -> FloatArray:
+        """Return the planes as rows over (x, y, z, 1), inwards."""
         lens = (camera.width_px, camera.height_px, camera.focal_px)
         if lens != self._lens:
             self._lens = lens
             self._normals = _normals(*lens)
-        rows = np.matmul(self._normals, camera.pose)
-        rows[_PLANES - 1, 3] -= camera.near_m
-        return rows
+        planes = np.matmul(self._normals, camera.pose)
+        planes[_PLANES - 1, 3] -= camera.near_m
+        return planes
+
+
+def _least_m(planes: FloatArray, points: FloatArray) -> FloatArray:
+    """Return how far inside the planes points (x, y, z, 1) are at least, (n,) of (4, n)."""
+    n = points.shape[1]
+    if n <= _TOGETHER:
+        return np.minimum.reduce(np.matmul(planes, points), axis=0)
+    least_m, inwards_m = np.empty(n), np.empty((len(planes), _TOGETHER))
+    for start in range(0, n, _TOGETHER):
+        part = points[:, start : start + _TOGETHER]
+        some_m = np.matmul(planes, part, out=inwards_m[:, : part.shape[1]])
+        np.minimum.reduce(some_m, axis=0, out=least_m[start : start + _TOGETHER])
+    return least_m
 
 
 def _normals(width_px: float, height_px: float, focal_px: float) -> FloatArray:
-    """Return unit normals of the planes in the camera's frame, inwards, and its axes, (8, 3)."""
-    normals = np.zeros((_PLANES + 3, 3))
+    """Return unit normals of the planes in the camera's frame, inwards, (5, 3)."""
+    normals = np.zeros((_PLANES, 3))
     for axis, pixels in enumerate((width_px, height_px)):
         tangent = 0.5 * pixels / focal_px
         across = math.hypot(1.0, tangent)
         normals[2 * axis : 2 * axis + 2, axis] = 1.0 / across, -1.0 / across
         normals[2 * axis : 2 * axis + 2, 2] = tangent / across
     normals[_PLANES - 1, 2] = 1.0
-    normals[_PLANES:] = np.eye(3)
     return normals

@@ -1,11 +1,17 @@
 """Motion of objects: some nodes go round horizontal circles through their rest position."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray, derive, freeze
+
+_TURN_RAD = 0.5  # farthest that a node turns from the instant of its series
+_TERMS = 14  # of a series: 0.5^14 / 14! is below 1e-15
+_ROW = 512  # numbers that are multiplied at once: BLAS starts no threads for so few
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,41 +38,107 @@ class Motion:
 
     def offset_m(self, time_s: float) -> FloatArray:
         """Return (2, M) displacements from rest along x and y at a time; zero at time 0."""
-        angle = self.rate_rad_s * time_s
-        angle += self.phase_rad
-        turned = np.empty((2, len(angle)))
-        np.cos(angle, out=turned[0])
-        np.sin(angle, out=turned[1])
-        turned -= self._start
-        turned *= self.radius_m
-        return turned
+        angle = self.rate_rad_s * time_s + self.phase_rad
+        return (np.stack((np.cos(angle), np.sin(angle))) - self._start) * self.radius_m
+
+    def series(self, time_s: float, terms: int) -> FloatArray:
+        """Return displacements around a time as a power series, (terms, 2, M).
+
+        Term k times the k-th power of the seconds since then, added up, is `offset_m`.
+        """
+        angle = self.rate_rad_s * time_s + self.phase_rad
+        series = np.empty((terms, 2, len(angle)))
+        series[0] = self.offset_m(time_s)
+        # Each derivative is a quarter turn ahead of the one before.
+        turned = np.stack((np.cos(angle), np.sin(angle))) * self.radius_m
+        for k in range(1, terms):
+            turned = np.stack((-turned[1], turned[0])) * (self.rate_rad_s / k)
+            series[k] = turned
+        return series
+
+
+class Placed:
+    """Where the centres of N bounding spheres are at one time; never changes.
+
+    Attributes
+    ----------
+    moved_m : (2, M) float64
+        x and y of the nodes that move.
+    """
+
+    __slots__ = ("_all_m", "_moving", "_rest_m", "moved_m")
+
+    def __init__(self, rest_m: FloatArray, moving: NDArray[np.intp], moved_m: FloatArray) -> None:
+        """Take (3, N) centres at rest, read-only, and which nodes, (M,), have moved where."""
+        self._rest_m, self._moving, self.moved_m = rest_m, moving, moved_m
+        self._all_m: FloatArray | None = None if len(moving) else rest_m
+
+    @classmethod
+    def at_rest(cls, centers_m: FloatArray) -> "Placed":
+        """Return given (3, N) centres of which none moves."""
+        return cls(centers_m, np.zeros(0, dtype=np.intp), np.zeros((2, 0)))
+
+    @property
+    def all_m(self) -> FloatArray:
+        """All centres, (3, N), read-only; put together when first asked for."""
+        if self._all_m is None:
+            self._all_m = self._rest_m.copy()
+            self._all_m[:2, self._moving] = self.moved_m
+            self._all_m.flags.writeable = False
+        return self._all_m
 
 
 class Centers:
-    """Where the centres of N bounding spheres are at any time, as columns (x, y, z, 1).
+    """Where the centres of N bounding spheres are at any time.
 
-    The last row lets one product with a camera's pose turn and shift them.
+    Nodes move by power series around instants between which none of them turns by more than a
+    radian: one product of a vector and a matrix, where sines and cosines would take several times
+    as long.  What is left out is below 1e-15 of a circle's radius.
+
+    Attributes
+    ----------
+    rest_m : (4, N) float64
+        Centres at rest as columns (x, y, z, 1), read-only: the last row lets one product with a
+        camera's pose turn and shift them.
+    moving : (M,) intp
+        The nodes that move.
     """
 
     def __init__(self, center_m: FloatArray, motion: Motion | None) -> None:
         """Take centres at rest, (N, 3), and what moves of them."""
-        n = len(center_m)
-        self._rest_m = np.ones((4, n))
-        self._rest_m[:3] = center_m.T
-        self._rest_m.flags.writeable = False
+        self.rest_m = np.ones((4, len(center_m)))
+        self.rest_m[:3] = center_m.T
+        self.rest_m.flags.writeable = False
         self._motion = motion
-        node = np.zeros(0, dtype=np.intp) if motion is None else motion.node.astype(np.intp)
-        # Positions of x and y among all numbers: one assignment places both.
-        self._moving = np.concatenate((node, node + n))
-        self._moving_m = self._rest_m.take(self._moving).reshape(2, -1)
+        self.moving = np.zeros(0, dtype=np.intp) if motion is None else motion.node.astype(np.intp)
+        self._at_rest = Placed.at_rest(self.rest_m[:3])
+        fastest = 0.0 if motion is None else float(np.abs(motion.rate_rad_s).max(initial=0.0))
+        self._step_s = 2.0 * _TURN_RAD / max(fastest, 1e-3)
+        self._step = math.nan
+        self._series = np.zeros((0, _TERMS, _ROW))
 
-    def at(self, time_s: float) -> FloatArray:
-        """Return (4, N) centres at a time, read-only; one array for ever where nothing moves."""
+    def at(self, time_s: float) -> Placed:
+        """Return the centres at a time; one and the same for ever where nothing moves."""
         if self._motion is None:
-            return self._rest_m
-        moved_m = self._motion.offset_m(time_s)
-        moved_m += self._moving_m
-        centers_m = self._rest_m.copy()
-        centers_m.reshape(-1)[self._moving] = moved_m.reshape(-1)
-        centers_m.flags.writeable = False
-        return centers_m
+            return self._at_rest
+        step = math.floor(time_s / self._step_s)
+        middle_s = (step + 0.5) * self._step_s
+        if step != self._step:
+            self._step, self._series = step, self._around(self._motion, middle_s)
+        since_s, power, powers = time_s - middle_s, 1.0, [1.0]
+        for _ in range(_TERMS - 1):
+            power *= since_s
+            powers.append(power)
+        xy_m = np.matmul(powers, self._series).reshape(-1)
+        moved_m = xy_m[: 2 * len(self.moving)].reshape(2, -1)
+        moved_m.flags.writeable = False
+        return Placed(self.rest_m[:3], self.moving, moved_m)
+
+    def _around(self, motion: Motion, time_s: float) -> FloatArray:
+        """Return the series of x and y around a time, in rows that BLAS needs no threads for."""
+        series = motion.series(time_s, _TERMS)
+        series[0] += self.rest_m[:2, self.moving]
+        flat = series.reshape(_TERMS, -1)
+        rows = -(-flat.shape[1] // _ROW)
+        flat = np.pad(flat, ((0, 0), (0, rows * _ROW - flat.shape[1])))
+        return np.ascontiguousarray(flat.reshape(_TERMS, rows, _ROW).swapaxes(0, 1))

@@ -18,6 +18,7 @@ from .cells import Cells
 from .levels import LevelTable
 from .motion import Motion
 from .rotation import rotate
+from .sphere_blocks import SphereBlocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,9 @@ class Scene:
     child_ids: IntArray = field(init=False)
     _by_node: dict[str, NDArray[Any]] = field(
         init=False, repr=False, compare=False, default_factory=dict[str, NDArray[Any]]
+    )
+    _blocks: list[SphereBlocks] = field(
+        init=False, repr=False, compare=False, default_factory=list[SphereBlocks]
     )
 
     @classmethod
@@ -207,6 +211,16 @@ class Scene:
             level.flags.writeable = False
             self._by_node["coarsest_level"] = level
         return self._by_node["coarsest_level"]
+
+    @property
+    def blocks(self) -> SphereBlocks:
+        """The nodes that never move, in blocks of neighbours; put together once."""
+        if not self._blocks:
+            rests = np.ones(len(self), dtype=np.bool_)
+            if self.motion is not None:
+                rests[self.motion.node] = False
+            self._blocks.append(SphereBlocks(self.center_m, self.radius_m, rests.nonzero()[0]))
+        return self._blocks[0]
 
     def children(self, node: int) -> IntArray:
         """Return the children of a node in ascending order, int32."""

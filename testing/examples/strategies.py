@@ -16,6 +16,7 @@ from ...models.machine.hardware import Display, HardwareProfile, Provenance
 from ...models.machine.residual import Residual
 from ...models.scene.camera import Camera
 from ...models.scene.frustum import Culler
+from ...models.scene.motion import Centers
 from ...models.scene.scene import Scene
 from ...policies.frame_times import Completed
 from ...policies.view import FrameState, View
@@ -151,13 +152,13 @@ def views(draw: st.DrawFn, *, objects: int = 8, continuous: bool = False) -> Vie
     camera = Camera((0.0, 0.0, _EYE_M), tuple(turn), 640, 360, np.pi / 3.0)
     work_ms: list[int] = draw(st.lists(st.integers(1, 40), max_size=5))
     times = np.repeat(np.array(work_ms, dtype=np.float64)[:, np.newaxis], 4, axis=1)
-    centers_m = np.ascontiguousarray(scene.center_m.T)
-    culler = Culler(scene.radius_m)
-    ids, xyz_m = culler.cull(centers_m, camera)
+    centers = Centers(scene.center_m, scene.motion)
+    culler = Culler(centers, scene.radius_m, scene.blocks)
+    ids, xyz_m = culler.cull(centers.at(0.0), camera)
     state = FrameState(
         scene,
         camera,
-        centers_m,
+        centers.at(0.0),
         len(work_ms),
         16_666_667 * len(work_ms),
         np.full(len(scene), np.nan),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.motion import Placed
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.frame_times import Completed
 from lodbench.policies.view import View
@@ -105,9 +106,9 @@ def test_moving_the_camera_moves_near_things_more(
 def test_moving_nodes_move_for_a_camera_at_rest(make_scene: MakeScene, make_view: MakeView) -> None:
     """Apparent speed compares where a node was with where it is."""
     scene = make_scene([(0.0, 0.0, -10.0)])
-    before = np.array([[-2.0], [0.0], [-10.0]])
+    before = Placed.at_rest(np.array([[-2.0], [0.0], [-10.0]]))
     view = make_view(
-        scene, camera_at(), previous_camera=camera_at(), step_s=0.25, previous_centers_m=before
+        scene, camera_at(), previous_camera=camera_at(), step_s=0.25, previous_centers=before
     )
     assert view.speed_deg_s == pytest.approx([math.degrees(math.atan2(2, 10)) / 0.25])
 

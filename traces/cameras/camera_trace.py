@@ -16,6 +16,7 @@ first and after the last sample the pose is held.
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,8 +34,7 @@ MAX_LENGTH_S = 48.0 * 3600.0
 """Time from the first pose to the last."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """A camera's position and its orientation, a unit quaternion ``x y z w``."""
 
     position_m: tuple[float, float, float]

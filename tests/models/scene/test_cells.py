@@ -11,6 +11,7 @@ from lodbench import InputError
 from lodbench.models.scene.camera import Camera
 from lodbench.models.scene.cells import EVERYWHERE, Cells
 from lodbench.models.scene.frustum import Culler
+from lodbench.models.scene.motion import Centers
 from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_file import read_scene, write_scene
 
@@ -48,11 +49,15 @@ def test_the_culler_drops_what_walls_hide(make_scene: Callable[..., Scene]) -> N
     scene = make_scene(np.column_stack((np.array([5.0, 15, 25, 35]), np.full((4, 2), 5.0))))
     ahead = (0.5, -0.5, -0.5, 0.5)  # along +x, z up
     camera = Camera((1.0, 5.0, 5.0), ahead, 100, 100, 1.0)
-    centers = np.ascontiguousarray(scene.center_m.T)
-    assert Culler(scene.radius_m).cull(centers, camera)[0].tolist() == [0, 1, 2, 3]
-    culler = Culler(scene.radius_m, rooms())
-    assert culler.cull(centers, camera)[0].tolist() == [0, 1, 3]
+    centers = Centers(scene.center_m, None)
+    now = centers.at(0.0)
+    open_air = Culler(centers, scene.radius_m, scene.blocks)
+    assert open_air.cull(now, camera)[0].tolist() == [0, 1, 2, 3]
+    culler = Culler(centers, scene.radius_m, scene.blocks, rooms())
+    assert culler.cull(now, camera)[0].tolist() == [0, 1, 3]
     assert culler.inside.tolist() == [True, True, False, True]
+    # The frustum holds the same nodes from outside the building, but walls hide all but one.
+    assert culler.cull(now, Camera((-1.0, 5.0, 5.0), ahead, 100, 100, 1.0))[0].tolist() == [3]
 
 
 def test_cells_are_kept_in_scene_files(make_scene: Callable[..., Scene], tmp_path: Path) -> None:

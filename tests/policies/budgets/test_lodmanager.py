@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.base.errors import InputError
+from lodbench.models.scene.motion import Placed
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.budgets.lodmanager import LodManager
 from lodbench.policies.selection import Selection, find_violation
@@ -41,7 +42,7 @@ def see(make_view: Make) -> Callable[..., View]:
         centers_m[2] = -np.asarray(distance_m, dtype=np.float64)
         mask = np.broadcast_to(np.asarray(inside), (len(scene),))
         before = make_view(scene, **state).state
-        seen = replace(before, centers_m=centers_m, inside=mask)
+        seen = replace(before, centers=Placed.at_rest(centers_m), inside=mask)
         ids = np.flatnonzero(mask).astype(np.int32)
         return View(seen, ids, seen.camera.to_camera(centers_m[:, ids]))
 
@@ -172,7 +173,7 @@ def test_borrowers_draw_what_their_holders_own(
         centers_m[2] = -rng.uniform(1.0, 120.0, 9)
         inside = rng.random(9) < 0.6
         ids = np.flatnonzero(inside).astype(np.int32)
-        state = replace(base, centers_m=centers_m, inside=inside)
+        state = replace(base, centers=Placed.at_rest(centers_m), inside=inside)
         view = View(state, ids, state.camera.to_camera(centers_m[:, ids]))
         selection = policy.select(view)
         assert find_violation(selection, view.ids, scene) is None
