@@ -16,9 +16,13 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from .allocation import Allocation, Shares
+from .near_bounds import NearBounds, Where
 
 _SHRINK = 0.8
 """Factor by which a start that is too dear is scaled down; the paper's is lost, this is ours."""
+
+_FIRST_LOOK = 64
+"""Objects among which those to scale down are looked for first."""
 
 _TOLERANCE = 1e-12
 """Relative size below which a multiplier counts as zero and a budget as spent."""
@@ -50,8 +54,7 @@ class _Search:
     """A feasible point and the bounds held with equality.
 
     What is free moves in proportion to its unit t: x is ``(part · place + rest) · t``, two numbers
-    for all and a place of each, so that a pass only looks at what meets a bound.  `lowest` and
-    `highest` are bounds in units of t; of what is held they are out of reach.
+    for all and a place of each, so that a pass only looks at what is about to meet a bound.
     """
 
     def __init__(self, shares: Shares) -> None:
@@ -68,11 +71,14 @@ class _Search:
         self.paid = self.unit * self.cost
         self.paid[self.held_low] = 0.0
         self.held_x = np.where(self.held_high, self.high, np.where(self.held_low, self.low, 0.0))
-        self.lowest = np.divide(self.low, self.unit, out=np.zeros(len(self.low)), where=self.free)
-        self.highest = np.full(len(self.low), np.inf)
-        np.divide(self.high, self.unit, out=self.highest, where=self.free)
+        lowest = np.divide(self.low, self.unit, out=np.zeros(len(self.low)), where=self.free)
+        falling, rising = np.full((2, len(lowest)), np.inf)
+        np.negative(lowest, out=falling, where=self.free)
+        np.divide(self.high, self.unit, out=rising, where=self.free)
+        self.above, self.below = NearBounds(rising, 1.0), NearBounds(falling, -1.0)
         # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
-        self.place, self.part, self.rest = self.lowest.copy(), 1.0, 0.0
+        self.place, self.part, self.rest = lowest.copy(), 1.0, 0.0
+        self._count_free()
 
     @property
     def x(self) -> FloatArray:
@@ -96,12 +102,9 @@ class _Search:
             if self.iterations == max_iterations:
                 return
             # Degradation over cost is proportional to (unit / x)^power, which sorts alike.
-            order = np.argsort(-(self.unit / x), kind="stable")
             less = np.where(self.free, np.maximum(_SHRINK * x, self.low), x)
-            # No more objects than are needed: up to where the savings first make up for the excess.
-            saved = np.cumsum((self.cost * (x - less))[order])
-            count = int(np.searchsorted(saved, excess)) + 1
-            x[order[:count]] = less[order[:count]]
+            scaled = _until(self.unit / x, self.cost * (x - less), excess)
+            x[scaled] = less[scaled]
             excess = float(self.cost @ x) - self.budget
             self.iterations += 1
             self.comparisons += int(len(x) * np.log2(len(x) + 1))
@@ -113,10 +116,9 @@ class _Search:
         self.comparisons += 2 * len(self.cost)
         # With what is held fixed, the minimiser spends the rest of the budget on x = scale · t:
         # the closed form at the top of this file.
-        wanted = float(self.paid.sum())
-        if wanted > 0.0:
+        if self.wanted > 0.0:
             # Positive, as the present point keeps the budget and its free variables cost something.
-            scale = (self.budget - float(self.cost @ self.held_x)) / wanted
+            scale = (self.budget - self.spent) / self.wanted
             if not self._reach(scale):
                 return False
             # weight · x^-power = λ · cost with x = scale · t gives λ = scale^-power, t cancelling.
@@ -131,43 +133,46 @@ class _Search:
         """Go towards the solution of the working set; return whether no bound was in the way."""
         # Present point and target keep the budget, and the cost is linear in x, so every point
         # between them does too.
-        rises = (self.highest < scale).nonzero()[0]
-        falls = (self.lowest > scale).nonzero()[0]
-        if not len(rises) and not len(falls):
+        where = Where(self.place, self.part, self.rest, scale)
+        up, down = self.above.first(where), self.below.first(where)
+        length = min(up.length, down.length)
+        if not self.above.sure(where, length):
+            up = self.above.first_of_all(where)
+            length = min(up.length, down.length)
+        if not self.below.sure(where, length):
+            down = self.below.first_of_all(where)
+            length = min(up.length, down.length)
+        if length >= 1.0:
             self.part, self.rest = 0.0, scale
             return True
-        up, down = self._ways(rises, self.highest, scale), self._ways(falls, self.lowest, scale)
         # The nearest bound ends the step.  Bounds met at the same length enter together, which
         # spares a pass for each tie.
-        length = min(float(way.min()) for way in (up, down) if len(way))
-        if len(up):
-            self._hold(rises[up <= length], self.high, self.held_high)
-        if len(down):
-            self._hold(falls[down <= length], self.low, self.held_low)
+        if up.length == length:
+            self._hold(up.variables, self.high, self.held_high)
+        if down.length == length:
+            self._hold(down.variables, self.low, self.held_low)
         self.part *= 1.0 - length
         self.rest += length * (scale - self.rest)
         return False
 
     def _hold(self, at: IntArray, bound: FloatArray, held: BoolArray) -> None:
-        self.held_x[at] = bound[at]
-        self.paid[at] = self.lowest[at] = 0.0
-        self.highest[at] = np.inf
+        at_bound, cost = bound[at], self.cost[at]
+        self.wanted -= float(self.paid[at].sum())
+        self.spent += float(cost @ at_bound)
+        self.held_x[at] = at_bound
+        self.paid[at] = 0.0
         self.free[at] = False
         held[at] = True
+        self.above.strike(at)
+        self.below.strike(at)
+        # What a difference has lost of its digits is made good before it matters.
+        if self.wanted < 0.5 * self.known:
+            self._count_free()
 
-    def _ways(self, at: IntArray, bounds: FloatArray, scale: float) -> FloatArray:
-        """Return at which share of the way to the target each of some bounds lies."""
-        if not len(at):
-            return np.zeros(0)
-        bound, place = bounds[at], self.place[at]
-        place *= self.part
-        place += self.rest
-        # Rounding may have carried it past the bound, which is not the way.
-        limit = np.minimum if bounds is self.highest else np.maximum
-        limit(place, bound, out=place)
-        bound -= place
-        bound /= np.subtract(scale, place, out=place)
-        return bound
+    def _count_free(self) -> None:
+        """Sum what a unit of everything free costs, and what is spent on the rest."""
+        self.wanted = self.known = float(self.paid.sum())
+        self.spent = float(self.cost @ self.held_x)
 
     def _multiplier_at_vertex(self, x: FloatArray) -> float:
         """Return λ where every bound is held: 0 with budget left, else what `low` demands."""
@@ -194,10 +199,26 @@ class _Search:
         self.held_low[worst] = self.held_high[worst] = False
         self.held_x[worst] = 0.0
         unit = self.unit[worst]
-        self.lowest[worst], self.highest[worst] = self.low[worst] / unit, self.high[worst] / unit
         self.paid[worst] = self.cost[worst] * unit
+        self._count_free()
         # All that is free is at the target; what is let go of begins at its bound.
         self.place.fill(self.rest)
         self.place[worst] = x[worst] / unit
         self.part, self.rest, self.free[worst] = 1.0, 0.0, True
+        for side, bound in ((self.above, self.high), (self.below, self.low)):
+            side.renew(worst, bound[worst] / unit)
         return False
+
+
+def _until(key: FloatArray, saved: FloatArray, excess: float) -> IntArray:
+    """Return who comes first by falling key, up to where savings make up for the excess."""
+    count, top = _FIRST_LOOK, np.arange(len(key))
+    # Few are needed from frame to frame, and only these need be in order.
+    while count < len(key):
+        some = np.argpartition(key, len(key) - count)[-count:]
+        if float(saved[some].sum()) >= excess:
+            top = np.sort(some)
+            break
+        count *= 8
+    top = top[np.argsort(-key[top], kind="stable")]
+    return top[: int(np.searchsorted(np.cumsum(saved[top]), excess)) + 1]
