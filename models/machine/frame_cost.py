@@ -4,6 +4,7 @@ The simulator charges by it, policies predict by it, and checks and bounds compa
 from what it knows: a whole frame, or each object at each of its levels.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -122,6 +123,8 @@ class FrameCost:
         # Prices of one view have the same sums of what no level decides.
         self._last_seen: Footprint | None = None
         self._last_totals: dict[str, float] = {}
+        self._last_shape = FrameShape(math.nan, 0)
+        self._last_units: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
         self.level_by_level = self.linear_in_detail and not self._has_roofline
 
@@ -156,12 +159,13 @@ class FrameCost:
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = InPicture(seen, pixel_share)
-        counts = self._totals(seen).copy()
+        shape = FrameShape(pixel_share * viewport_px, load.types)
+        if shape != self._last_shape:
+            self._last_shape = shape
+            self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
+        counts = {**self._totals(seen), **self._last_units}
         for term in self._of_levels:
             counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
-        shape = FrameShape(pixel_share * viewport_px, load.types)
-        for name, term, _ in self._frame_terms:
-            counts[name] = term.count(shape)
         terms_ms = [sum([ms * counts[name] for name, ms in terms]) for terms in self._summed]
         ms = sum(terms_ms, self.model.base_ms + load.level_ms)
         if self._has_roofline:
