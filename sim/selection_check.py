@@ -57,7 +57,7 @@ class SelectionCheck:
         False says nothing: -0.0 may be a level too.
         """
         level = np.trunc(np.frombuffer(self._detail))
-        np.maximum(level, 0.0, out=level)
+        np.fmax(level, 0.0, out=level)  # `maximum` would hand NaN through, which is no level
         np.minimum(level, view.nodes.coarsest_level, out=level)
         return level.tobytes() == self._detail
 

@@ -117,7 +117,7 @@ class Switches:
             self._repeats = False
         self._row, self._ids = drawn.row, ids
         stamp = drawn.row + (frame << _ROW_BITS)
-        before = self._stamp.take(ids)
+        before: NDArray[np.int64] = self._stamp.take(ids)
         self._stamp[ids] = stamp
         stamp -= 1 << _ROW_BITS
         other = before != stamp
