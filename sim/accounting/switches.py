@@ -117,7 +117,7 @@ class Switches:
             self._repeats = False
         self._row, self._ids = drawn.row, ids
         stamp = drawn.row + (frame << _ROW_BITS)
-        before: NDArray[np.int64] = self._stamp.take(ids)
+        before = self._stamp.take(ids)
         self._stamp[ids] = stamp
         stamp -= 1 << _ROW_BITS
         other = before != stamp
@@ -127,7 +127,7 @@ class Switches:
         at = other.nonzero()[0]
         if not len(at):
             return _NO_SWITCHES
-        before = before.take(at)
+        before = before[at]
         # Drawn in the frame before, or it came into view, which is no switch.
         known = before >> _ROW_BITS == frame - 1
         counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
