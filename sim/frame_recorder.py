@@ -26,7 +26,7 @@ from .simulated_machine import Machine, Submitted
 
 _NS_PER_MS = 1e6
 
-_PREDICTORS = (
+_PREDICTORS: tuple[str, ...] = (
     *GPU_PREDICTORS,
     "objects_visited",
     "comparisons",

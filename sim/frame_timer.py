@@ -44,6 +44,7 @@ class FrameTimer:
 
     def __init__(self, faults: Faults, delay: int, seed: np.random.SeedSequence) -> None:
         self._faults, self._delay = faults, delay
+        self._faulty = faults != Faults()
         self._dice = FrameNoise(lambda rng, count: rng.random(count), seed)
         self._times = np.full((_BLOCK, 4), np.nan)
         self._before: Report | None = None
@@ -77,9 +78,13 @@ class FrameTimer:
             self._times = times
         cpu_ms = (pipeline.cpu_end_ns[frame] - pipeline.input_ns[frame]) * 1e-6
         gpu_ms = (pipeline.gpu_end_ns[frame] - pipeline.gpu_start_ns[frame]) * 1e-6
-        truth = (cpu_ms, gpu_ms, max(cpu_ms, gpu_ms))
-        self._before = self._faults.report(truth, self._before or truth, self._dice.next())
-        self._times[frame, :3] = self._before
+        report = (cpu_ms, gpu_ms, max(cpu_ms, gpu_ms))
+        if self._faulty:
+            report = self._faults.report(report, self._before or report, self._dice.next())
+            self._before = report
+        # One by one: numpy makes an array of a tuple first.
+        times = self._times
+        times[frame, 0], times[frame, 1], times[frame, 2] = report
 
     def _read_presents(self, count: int, pipeline: Pipeline) -> None:
         display_ns = pipeline.display_ns

@@ -26,6 +26,8 @@ class SelectionCheck:
 
     def __init__(self, scene: Scene, tree: Tree | None) -> None:
         self._scene, self._tree = scene, tree
+        # Of such scenes nothing is streamed, and any level of a candidate may be drawn.
+        self._discrete = tree is None and not scene.types.levels.continuous.any()
         # Of the last selection, if it drew all candidates, each from its own index set.
         self._ids: object = None
         self._detail = b""
@@ -44,8 +46,20 @@ class SelectionCheck:
         plain = selection.ids is view.ids and selection.holder is None
         self._ids = view.ids if plain else None
         self._detail = selection.detail.tobytes() if plain else b""
+        if plain and self._discrete and self._holds_levels(view):
+            return None
         wrong = find_wrong_nodes(selection, view.nodes, self._tree)
         return wrong or find_not_resident(selection, view)
+
+    def _holds_levels(self, view: View) -> bool:
+        """Whether the kept details are levels of the candidates, the common case in three passes.
+
+        False says nothing: -0.0 may be a level too.
+        """
+        level = np.trunc(np.frombuffer(self._detail))
+        np.fmax(level, 0.0, out=level)  # `maximum` would hand NaN through, which is no level
+        np.minimum(level, view.nodes.coarsest_level, out=level)
+        return level.tobytes() == self._detail
 
     def _is_last(self, selection: Selection, view: View) -> bool:
         if self._ids is not view.ids or selection.ids is not view.ids:

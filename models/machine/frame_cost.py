@@ -4,6 +4,7 @@ The simulator charges by it, policies predict by it, and checks and bounds compa
 from what it knows: a whole frame, or each object at each of its levels.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,56 +16,9 @@ from .cost import CostModel
 from .cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
 from .cost_terms.term import Footprint, FrameShape, ViewTerm
 from .picture_units import InPicture
+from .price import Load, Price
 
 _SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
-_OF_TERMS = GPU_PREDICTORS[len(LEVEL_PREDICTORS) :]
-
-
-class Load(NamedTuple):
-    """What a frame draws of each level, wherever that is in the picture.
-
-    Attributes
-    ----------
-    times_drawn : (L,) float64
-        How often each level is drawn.
-    counts : list of float
-        Units of the levels drawn, in the order of `LEVEL_PREDICTORS`.
-    level_ms : float
-        What these levels cost whatever the view.
-    types : int
-        Distinct types drawn.
-    """
-
-    times_drawn: FloatArray
-    counts: list[float]
-    level_ms: float
-    types: int
-
-
-class Price(NamedTuple):
-    """GPU time of a whole frame, and what it was counted by.
-
-    Attributes
-    ----------
-    gpu_ms : float
-        Noise-free.
-    load : Load
-    counts : dict of str to float
-        Units of the view's and the frame's terms, by predictor; NaN where a term costs nothing and
-        its units take time to count.
-    terms_ms : list of float
-        What these cost, terms of one unit together, in the order in which they are added up.
-    """
-
-    gpu_ms: float
-    load: Load
-    counts: dict[str, float]
-    terms_ms: list[float]
-
-    @property
-    def units(self) -> list[float]:
-        """Units in the order of `GPU_PREDICTORS`."""
-        return [*self.load.counts, *map(self.counts.__getitem__, _OF_TERMS)]
 
 
 class _Term(NamedTuple):
@@ -122,6 +76,8 @@ class FrameCost:
         # Prices of one view have the same sums of what no level decides.
         self._last_seen: Footprint | None = None
         self._last_totals: dict[str, float] = {}
+        self._last_shape = FrameShape(math.nan, 0)
+        self._last_units: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
         self.level_by_level = self.linear_in_detail and not self._has_roofline
 
@@ -156,12 +112,13 @@ class FrameCost:
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = InPicture(seen, pixel_share)
-        counts = self._totals(seen).copy()
+        shape = FrameShape(pixel_share * viewport_px, load.types)
+        if shape != self._last_shape:
+            self._last_shape = shape
+            self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
+        counts = {**self._totals(seen), **self._last_units}
         for term in self._of_levels:
             counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
-        shape = FrameShape(pixel_share * viewport_px, load.types)
-        for name, term, _ in self._frame_terms:
-            counts[name] = term.count(shape)
         terms_ms = [sum([ms * counts[name] for name, ms in terms]) for terms in self._summed]
         ms = sum(terms_ms, self.model.base_ms + load.level_ms)
         if self._has_roofline:

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.machine.cost_terms.term import Footprint
-from ...models.machine.frame_cost import FrameCost, Price
+from ...models.machine.frame_cost import FrameCost
+from ...models.machine.price import Price
 from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
 from ...policies.selection import Selection

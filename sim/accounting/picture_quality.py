@@ -61,8 +61,8 @@ class FlatQuality:
         per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
         self._per_level = np.stack((level_accuracy(levels), per_primitive))
         self._unit_importance = bool((scene.importance == 1.0).all())
-        # Accuracies and reciprocals times importance, of all that is drawn and of all at full
-        # detail; gathered anew where rows change.
+        # Accuracies and reciprocals of all that is drawn, and of all at full detail; gathered anew
+        # where rows change.
         self._drawn_row = self._full_row = np.zeros(0, dtype=np.int64)
         self._drawn = self._full = np.zeros((2, 0))
 
@@ -76,26 +76,28 @@ class FlatQuality:
             self._drawn_row, self._drawn = drawn.row, self._scores(drawn)
         if units.nodes.finest_row is not self._full_row:
             self._full_row = units.nodes.finest_row
-            self._full = self._weighted(self._per_level.take(self._full_row, axis=1), units)
-        benefit, degradation = sum_rows(self._drawn, drawn.seen.area_px)
-        full_benefit, full_degradation = sum_rows(self._full, units.area_px)
+            self._full = self._per_level.take(self._full_row, axis=1)
+        # Where all candidates are drawn, what is drawn weighs as much as what could be.
+        weight = whole = self._weight(units)
+        if drawn.ids is not units.ids:
+            weight = self._weight(drawn.seen)
+        benefit, degradation = sum_rows(self._drawn, weight)
+        full_benefit, full_degradation = sum_rows(self._full, whole)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
             # One primitive for each that is missing: its whole weight, over 1.
-            whole, weight = (self._weighted(v.area_px, v) for v in (units, drawn.seen))
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
     def _scores(self, drawn: Drawn) -> FloatArray:
-        """Return accuracy and one over primitives of each node drawn, weighted, (2, m)."""
+        """Return accuracy and one over primitives of each node drawn, (2, m)."""
         if drawn.fraction is None:
-            return self._weighted(self._per_level.take(drawn.row, axis=1), drawn.seen)
+            return self._per_level.take(drawn.row, axis=1)
         primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
-        scores = np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
-        return self._weighted(scores, drawn.seen)
+        return np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
 
-    def _weighted(self, values: FloatArray, view: View) -> FloatArray:
-        return values if self._unit_importance else values * view.nodes.importance
+    def _weight(self, view: View) -> FloatArray:
+        return view.area_px if self._unit_importance else view.area_px * view.nodes.importance
 
 
 class TreeQuality:

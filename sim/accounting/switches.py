@@ -142,14 +142,17 @@ class Switches:
         """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
         if not len(at):
             return _NO_SWITCHES
-        step = np.abs(drawn.error_m[at] - self._error_m[drawn.at[at]]) * drawn.px_per_m[at]
-        popping_px = float((step * drawn.area_px[at]).sum()) / self._viewport_px
-        new_row = drawn.row[at]
-        # Between two knots detail changes, and the picture with it, but no level is switched.
-        passed = old_row != new_row
-        ids, new_row, old_row = drawn.at[at][passed], new_row[passed], old_row[passed]
+        ids = drawn.at.take(at)
+        step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.px_per_m.take(at)
+        popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
+        new_row = drawn.row.take(at)
+        if drawn.fraction is not None:
+            # Between two knots detail changes, and the picture with it, but no level is switched.
+            passed = old_row != new_row
+            ids, new_row, old_row = ids[passed], new_row[passed], old_row[passed]
         # Both before they are overwritten by this toggle.
-        undone = (self._from_row[ids] == new_row) & (time_ns - self._switch_ns[ids] <= REVERSAL_NS)
+        undone = self._from_row.take(ids) == new_row
+        undone &= time_ns - self._switch_ns.take(ids) <= REVERSAL_NS
         self._from_row[ids] = old_row
         self._switch_ns[ids] = time_ns
         if self._crossfade_ns:

@@ -63,3 +63,21 @@ def test_a_repeated_selection_is_still_checked(run: Run, scripted: MakePolicy) -
 
     with pytest.raises(PolicyError, match="frame 3: render_scale"):
         run(scripted([0], spoil), 5)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -1.0, 0.5, 3.0])
+def test_every_new_detail_is_checked(run: Run, scripted: MakePolicy, wrong: float) -> None:
+    """Among levels 0 to 2 that change, a detail that is none is refused; -0.0 is level 0."""
+
+    def spoil(view: View, selection: Selection) -> Selection:
+        detail = np.array([view.frame % 3, 2.0, -0.0])
+        if view.frame == 4:
+            detail[1] = wrong
+        return replace(selection, detail=detail)
+
+    places = [(0.0, 0.0, -10.0), (1.0, 0.0, -10.0), (2.0, 0.0, -10.0)]
+    assert len(run(scripted([[0, 0, 0]], spoil), 4, positions=places)) == 4
+    with pytest.raises(
+        PolicyError, match="frame 4: detail of node 1: expected a level from 0 to 2"
+    ):
+        run(scripted([[0, 0, 0]], spoil), 6, positions=places)

@@ -109,6 +109,24 @@ def test_a_frame_by_hand(make_levels: MakeLevels) -> None:
     assert math.isnan(counts["rasterized_triangles"])
 
 
+def test_a_frame_at_full_detail_by_hand(make_levels: MakeLevels) -> None:
+    """From what was drawn: twice 40 triangles and once 9, at the same places and of two types."""
+    model = CostModel.of(
+        2.0, {"triangles": 1.0, "shaded_samples": 0.125, "state_changes": 32.0}
+    )  # fmt: skip
+    costs = FrameCost(model, make_levels([(40, 20), (7,), (9, 3)]))
+    view = seen([8.0, 16.0, 24.0])
+    price = costs.frame(np.array([1, 4, 1]), view, 800.0)
+    assert costs.finest_ms(price) == 2.0 + (40 + 9 + 40) + 48 / 8 + 64
+    assert costs.finest_ms(price) == costs.frame(np.array([0, 3, 0]), view, 800.0).gpu_ms
+    assert costs.level_by_level
+    for of_the_view in (
+        CostModel.of(0.0, {"rasterized_triangles": 1.0}),
+        CostModel.of(0.0, {}, {"triangles": 1.0, "shaded_samples": 1.0}),
+    ):
+        assert not FrameCost(of_the_view, make_levels([(40, 20)])).level_by_level
+
+
 def test_a_frame_is_what_is_fixed_and_its_objects(make_levels: MakeLevels) -> None:
     """Whole frames and marginal costs are two ways to one price, with every term charged."""
     rng = np.random.default_rng(2)

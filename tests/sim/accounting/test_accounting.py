@@ -155,3 +155,19 @@ def test_the_95th_percentile_of_errors_is_of_the_lower_rank(
     log = run(scripted([list(range(21))]), positions=[(0.0, 0.0, -10.0)] * 21, levels=levels)
     assert log["sse_px_p95"][0] == pytest.approx(1.9 * UNIT_PX)
     assert log["sse_px_max"][0] == pytest.approx(2.0 * UNIT_PX)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5])
+def test_the_visible_load_is_of_full_detail_at_full_size(
+    run: Run, scripted: MakePolicy, make_hardware: MakeHardware, scale: float
+) -> None:
+    """Neither a coarse level, nor a cross-fade that draws twice, nor a smaller picture changes it.
+
+    The base of 1 ms, 1,000 triangles of 1 us, and 1 us a pixel of the ellipse at full size.
+    """
+    hardware = make_hardware({"triangles": 1e-3, "shaded_samples": 1e-3})
+    options = {"crossfade_ms": 5.0}
+    log = run(scripted([0, 2], render_scale=scale), 6, hardware=hardware, options=options)
+    assert log["fading"][1] == 1
+    assert log["fading"][5] == 0
+    assert log["full_gpu_ms"] == pytest.approx(2.0 + 1e-3 * AREA_PX, rel=1e-12)
