@@ -1,7 +1,7 @@
 """``static-screen``: level from projected height against thresholds."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -52,16 +52,13 @@ def screen_level(
 
 @dataclass(slots=True)
 class _Kept:
-    """The last frame's levels, and between which distances each candidate may stay at its own.
-
-    Distances are for a sphere as high as its radius over its distance.
-    """
+    """The candidates' levels, and between which distances each may stay at its own."""
 
     nodes: Nodes
     frame: int
     selection: Selection
-    near_m: FloatArray = field(default_factory=lambda: np.zeros(0))
-    far_m: FloatArray = field(default_factory=lambda: np.zeros(0))
+    near_m: FloatArray
+    far_m: FloatArray
 
 
 @dataclass
@@ -105,6 +102,10 @@ class StaticScreen:
         self._far = (1.0 - _ROUNDING) / threshold
         self._near = np.zeros(most)
         self._near[1:] = (1.0 + _ROUNDING) / (threshold[:-1] + self.hysteresis)
+        # Of each node, as last drawn: its level, and up to and above which distance it may change,
+        # for a sphere as high as its radius over its distance.
+        n = len(scene) if self._discrete else 0
+        self._levels, self._near_m, self._far_m = np.full((3, n), np.nan)
         self._kept: _Kept | None = None
 
     def select(self, view: View) -> Selection:
@@ -113,17 +114,13 @@ class StaticScreen:
 
     def select_biased(self, view: View, bias: float) -> Selection:
         """Return a level for every candidate under another bias than the policy's own."""
-        kept, nodes = self._kept, view.nodes
-        if kept is not None and kept.nodes is nodes and kept.frame == view.frame - 1:
-            return self._go_on(kept, view, bias)
-        table = view.scene.types.levels
+        if self._discrete:  # levels are details there, and can be gone on from
+            return self._go_on(view, bias)
+        nodes, table = view.nodes, view.scene.types.levels
         before = level_of_detail(table, nodes.type_index, view.previous_detail)
         level = self._level(screen_height(view, bias), nodes.coarsest_level, before)
         detail = detail_of_level(table, nodes.type_index, level)
-        selection = Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
-        # Levels of a discrete scene are their details, and can be gone on from.
-        self._kept = _Kept(nodes, view.frame, selection) if self._discrete else None
-        return selection
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
     def _level(self, height: FloatArray, coarsest: FloatArray, before: FloatArray) -> FloatArray:
         """Return levels by heights and the levels before, NaN of what was never drawn, (m,)."""
@@ -137,17 +134,16 @@ class StaticScreen:
             level[at] = np.minimum(late, before.take(at))
         return level
 
-    def _go_on(self, kept: _Kept, view: View, bias: float) -> Selection:
-        """Return the last selection, or another one where candidates have left their distances."""
-        nodes, camera = kept.nodes, view.camera
-        if not len(kept.far_m):
-            level = kept.selection.detail
-            kept.near_m, kept.far_m = self._bounds(level, nodes.coarsest_level, nodes.radius_m)
-        kept.frame += 1
+    def _go_on(self, view: View, bias: float) -> Selection:
+        """Return levels, found anew only where candidates have left their distances."""
+        kept, camera = self._kept, view.camera
+        if kept is None or kept.nodes is not view.nodes or kept.frame != view.frame - 1:
+            kept = self._kept = self._recall(view)
+        kept.frame = view.frame
         per_ratio = 2.0 * camera.focal_px / camera.height_px * bias
         distance_m = view.distance_m
         if per_ratio < self.first:  # else no sphere is too small with the eye at its surface
-            distance_m = np.maximum(distance_m, nodes.radius_m)
+            distance_m = np.maximum(distance_m, kept.nodes.radius_m)
         distance_m = distance_m * (1.0 / per_ratio)
         changes = distance_m > kept.far_m
         changes |= distance_m <= kept.near_m
@@ -156,16 +152,26 @@ class StaticScreen:
             self._change(kept, at, view.distance_m.take(at), per_ratio)
         return kept.selection
 
+    def _recall(self, view: View) -> _Kept:
+        """Return the levels that candidates were last drawn at, and the distances of these."""
+        nodes, before = view.nodes, view.previous_detail
+        near_m, far_m = self._near_m.take(nodes.at), self._far_m.take(nodes.at)
+        # What was never drawn, or at a level that somebody else chose, has no distances to stay in.
+        near_m[before != self._levels.take(nodes.at)] = np.inf
+        selection = Selection(view.ids, before, Work(objects_visited=len(view.ids)))
+        return _Kept(nodes, view.frame, selection, near_m, far_m)
+
     def _change(
         self, kept: _Kept, at: NDArray[np.intp], distance_m: FloatArray, per_ratio: float
     ) -> None:
         """Find the levels of some candidates anew."""
         coarsest, radius_m = kept.nodes.coarsest_level.take(at), kept.nodes.radius_m.take(at)
-        before = kept.selection.detail
-        some = self._level(_height(distance_m, radius_m, per_ratio), coarsest, before.take(at))
-        level = before.copy()  # others may still hold the selection before
-        level[at] = some
-        kept.near_m[at], kept.far_m[at] = self._bounds(some, coarsest, radius_m)
+        level = kept.selection.detail.copy()  # others may still hold the selection before
+        some = self._level(_height(distance_m, radius_m, per_ratio), coarsest, level.take(at))
+        near_m, far_m = self._bounds(some, coarsest, radius_m)
+        level[at], kept.near_m[at], kept.far_m[at] = some, near_m, far_m
+        nodes = kept.nodes.at.take(at)
+        self._levels[nodes], self._near_m[nodes], self._far_m[nodes] = some, near_m, far_m
         ids = kept.selection.ids
         kept.selection = Selection(ids, level, Work(objects_visited=len(ids)))
 
