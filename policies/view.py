@@ -121,7 +121,12 @@ class View:
     @per_node
     def _square_m2(self) -> FloatArray:
         """Return the square of each distance, (m,)."""
-        return np.add.reduce(self.xyz_m * self.xyz_m, axis=0)
+        return np.add.reduce(self._squares_m2, axis=0)
+
+    @per_node
+    def _squares_m2(self) -> FloatArray:
+        """Return the squares of coordinates, (3, m)."""
+        return self.xyz_m * self.xyz_m
 
     @per_node
     def nearest_m(self) -> FloatArray:
@@ -140,14 +145,11 @@ class View:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
         camera, nodes = self.camera, self.nodes
         lens = nodes.in_lens(camera.focal_px, camera.near_m)
-        depth_m = self.xyz_m[2]
-        gap_m2 = depth_m * depth_m
-        gap_m2 -= nodes.square_m2
         return area_of_spheres(
-            gap_m2,
+            self._squares_m2[2] - nodes.square_m2,
             self._square_m2 - nodes.square_m2,
             lens.disc,
-            depth_m <= lens.reach_m,
+            self.xyz_m[2] <= lens.reach_m,
             float(camera.viewport_px),
         )
 

@@ -1,10 +1,11 @@
 """``static-screen``: level from projected height against thresholds."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from ...models.scene.nodes import Nodes
@@ -15,6 +16,8 @@ from ..shared.discretise import detail_of_level, level_of_detail
 from ..shared.ranges import Fraction, NotNegative, Positive, check_parameters
 from ..view import View
 
+_ROUNDING = 1e-12  # above that of a distance, relative
+
 
 def screen_height(view: View, bias: float = 1.0) -> FloatArray:
     """Return each bounding sphere's diameter over the height of the screen at its distance, (m,).
@@ -24,9 +27,14 @@ def screen_height(view: View, bias: float = 1.0) -> FloatArray:
     so that a sphere around the eye has a finite height.
     """
     camera = view.camera
-    height = np.maximum(view.distance_m, view.radius_m)
-    np.divide(view.radius_m, height, out=height)
-    height *= 2.0 * camera.focal_px / camera.height_px * bias
+    return _height(view.distance_m, view.radius_m, 2.0 * camera.focal_px / camera.height_px * bias)
+
+
+def _height(distance_m: FloatArray, radius_m: FloatArray, per_ratio: float) -> FloatArray:
+    """Return the heights of spheres, `per_ratio` times radius over distance, (m,)."""
+    height = np.maximum(distance_m, radius_m)
+    np.divide(radius_m, height, out=height)
+    height *= per_ratio
     return height
 
 
@@ -44,13 +52,13 @@ def screen_level(
 
 @dataclass(slots=True)
 class _Kept:
-    """Levels of the last frame's candidates, and between which heights each stays at its own."""
+    """The candidates' levels, and between which distances each may stay at its own."""
 
     nodes: Nodes
     frame: int
-    level: FloatArray
-    leaves: FloatArray = field(default_factory=lambda: np.zeros(0))
-    returns: FloatArray = field(default_factory=lambda: np.zeros(0))
+    selection: Selection
+    near_m: FloatArray
+    far_m: FloatArray
 
 
 @dataclass
@@ -89,9 +97,15 @@ class StaticScreen:
         self._discrete = not scene.types.levels.continuous.any()
         most = int(scene.types.levels.level_count.max())
         threshold = self.first * self.ratio ** np.arange(most)
-        # Of level i: the height below which it gives way to i + 1, and from which to i - 1.
-        self._leaves = threshold
-        self._returns = np.concatenate(([np.inf], threshold[:-1] + self.hysteresis))
+        # Level i gives way to i + 1 below the i-th height, and to i - 1 from another height on.
+        # As radii over distances; rounded so that what may change is always looked at.
+        self._far = (1.0 - _ROUNDING) / threshold
+        self._near = np.zeros(most)
+        self._near[1:] = (1.0 + _ROUNDING) / (threshold[:-1] + self.hysteresis)
+        # Of each node, as last drawn: its level, and up to and above which distance it may change,
+        # for a sphere as high as its radius over its distance.
+        n = len(scene) if self._discrete else 0
+        self._levels, self._near_m, self._far_m = np.full((3, n), np.nan)
         self._kept: _Kept | None = None
 
     def select(self, view: View) -> Selection:
@@ -100,20 +114,13 @@ class StaticScreen:
 
     def select_biased(self, view: View, bias: float) -> Selection:
         """Return a level for every candidate under another bias than the policy's own."""
-        height = screen_height(view, bias)
-        kept, nodes = self._kept, view.nodes
-        if kept is None or kept.nodes is not nodes or kept.frame != view.frame - 1:
-            table = view.scene.types.levels
-            before = level_of_detail(table, nodes.type_index, view.previous_detail)
-            level = self._level(height, nodes.coarsest_level, before)
-            detail = detail_of_level(table, nodes.type_index, level)
-            # Levels of a discrete scene are their details, and can be gone on from.
-            self._kept = _Kept(nodes, view.frame, level) if self._discrete else None
-            return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
-        if not len(kept.leaves):
-            kept.leaves, kept.returns = self._bounds(kept.level, nodes.coarsest_level)
-        self._go_on(kept, height)
-        return Selection(view.ids, kept.level, Work(objects_visited=len(view.ids)))
+        if self._discrete:  # levels are details there, and can be gone on from
+            return self._go_on(view, bias)
+        nodes, table = view.nodes, view.scene.types.levels
+        before = level_of_detail(table, nodes.type_index, view.previous_detail)
+        level = self._level(screen_height(view, bias), nodes.coarsest_level, before)
+        detail = detail_of_level(table, nodes.type_index, level)
+        return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 
     def _level(self, height: FloatArray, coarsest: FloatArray, before: FloatArray) -> FloatArray:
         """Return levels by heights and the levels before, NaN of what was never drawn, (m,)."""
@@ -127,22 +134,52 @@ class StaticScreen:
             level[at] = np.minimum(late, before.take(at))
         return level
 
-    def _bounds(self, level: FloatArray, coarsest: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _go_on(self, view: View, bias: float) -> Selection:
+        """Return levels, found anew only where candidates have left their distances."""
+        kept, camera = self._kept, view.camera
+        if kept is None or kept.nodes is not view.nodes or kept.frame != view.frame - 1:
+            kept = self._kept = self._recall(view)
+        kept.frame = view.frame
+        per_ratio = 2.0 * camera.focal_px / camera.height_px * bias
+        distance_m = view.distance_m
+        if per_ratio < self.first:  # else no sphere is too small with the eye at its surface
+            distance_m = np.maximum(distance_m, kept.nodes.radius_m)
+        distance_m = distance_m * (1.0 / per_ratio)
+        changes = distance_m > kept.far_m
+        changes |= distance_m <= kept.near_m
+        at = changes.nonzero()[0]
+        if len(at):
+            self._change(kept, at, view.distance_m.take(at), per_ratio)
+        return kept.selection
+
+    def _recall(self, view: View) -> _Kept:
+        """Return the levels that candidates were last drawn at, and the distances of these."""
+        nodes, before = view.nodes, view.previous_detail
+        near_m, far_m = self._near_m.take(nodes.at), self._far_m.take(nodes.at)
+        # What was never drawn, or at a level that somebody else chose, has no distances to stay in.
+        near_m[before != self._levels.take(nodes.at)] = np.inf
+        selection = Selection(view.ids, before, Work(objects_visited=len(view.ids)))
+        return _Kept(nodes, view.frame, selection, near_m, far_m)
+
+    def _change(
+        self, kept: _Kept, at: NDArray[np.intp], distance_m: FloatArray, per_ratio: float
+    ) -> None:
+        """Find the levels of some candidates anew."""
+        coarsest, radius_m = kept.nodes.coarsest_level.take(at), kept.nodes.radius_m.take(at)
+        level = kept.selection.detail.copy()  # others may still hold the selection before
+        some = self._level(_height(distance_m, radius_m, per_ratio), coarsest, level.take(at))
+        near_m, far_m = self._bounds(some, coarsest, radius_m)
+        level[at], kept.near_m[at], kept.far_m[at] = some, near_m, far_m
+        nodes = kept.nodes.at.take(at)
+        self._levels[nodes], self._near_m[nodes], self._far_m[nodes] = some, near_m, far_m
+        ids = kept.selection.ids
+        kept.selection = Selection(ids, level, Work(objects_visited=len(ids)))
+
+    def _bounds(
+        self, level: FloatArray, coarsest: FloatArray, radius_m: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the distances from above which and up to which levels stay, (m,) each."""
         at = level.astype(np.intp)
         # Nothing is coarser than the coarsest level.
-        return np.where(level < coarsest, self._leaves.take(at), 0.0), self._returns.take(at)
-
-    def _go_on(self, kept: _Kept, height: FloatArray) -> None:
-        """Change the levels of candidates whose heights have left their bounds."""
-        kept.frame += 1
-        changes = height < kept.leaves
-        changes |= height >= kept.returns
-        at = changes.nonzero()[0]
-        if not len(at):
-            return
-        coarsest = kept.nodes.coarsest_level.take(at)
-        some = self._level(height.take(at), coarsest, kept.level.take(at))
-        # A new array: the one before is a selection that others may still hold.
-        kept.level = kept.level.copy()
-        kept.level[at] = some
-        kept.leaves[at], kept.returns[at] = self._bounds(some, coarsest)
+        far = np.where(level < coarsest, self._far.take(at), np.inf)
+        return radius_m * self._near.take(at), radius_m * far

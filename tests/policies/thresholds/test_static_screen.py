@@ -92,6 +92,61 @@ def test_hysteresis_larger_than_a_height_keeps_the_level(choose: Choose) -> None
     assert choose(policy, [0.9, 0.15], detail=2.0) == [2, 2]
 
 
+def level_by_rule(height: float, before: float, levels: int, hysteresis: float) -> int:
+    """Return the level of one object under the default ladder, one threshold after the other."""
+
+    def reached(height: float) -> int:
+        return next((i for i in range(levels) if height >= 0.25 * 0.5**i), levels - 1)
+
+    level = reached(height)
+    if not math.isnan(before) and level < before:
+        return min(reached(height - hysteresis), int(before))
+    return level
+
+
+@pytest.mark.parametrize("hysteresis", [0.0, 0.01])
+@pytest.mark.parametrize("step_m", [0.02, 3.0])
+def test_levels_follow_the_rule_whatever_came_before(
+    make_scene: MakeScene,
+    make_view: MakeView,
+    make_levels: Callable[..., LevelTable],
+    hysteresis: float,
+    step_m: float,
+) -> None:
+    """Over 80 frames each object has the level that its height and its last level give.
+
+    Candidates stay or change, some frames are left out, biases vary (also so that the screen is
+    too high for an object around the eye), and now and then another level was drawn than chosen.
+    """
+    rng = np.random.default_rng(5)
+    levels = make_levels([(900, 300, 100, 30), (50, 20)])
+    scene = make_scene(rng.uniform(-12, 12, (60, 3)), kind=np.arange(60) % 2, levels=levels)
+    policy = StaticScreen(hysteresis=hysteresis)
+    policy.reset(scene, 16.0)
+    drawn, frame, last, chosen = np.full(60, np.nan), 0, None, []
+    for _ in range(80):
+        frame += int(rng.choice((1, 1, 1, 2)))
+        position = tuple(rng.uniform(-step_m, step_m, 3))
+        view = make_view(scene, Camera(position, UPRIGHT, 100, 100, 1.5), detail=drawn, frame=frame)
+        if last is not None and np.array_equal(last.ids, view.ids):
+            view = View(view.state, last.ids, view.xyz_m, last.nodes)
+        last, bias = view, float(rng.choice((0.05, 0.9, 1.0, 1.1)))
+        before = drawn.copy()
+        selection = policy.select_biased(view, bias)
+        heights = screen_height(view, bias).tolist()
+        expected = [
+            level_by_rule(height, before[i], 4 - 2 * (i % 2), hysteresis)
+            for i, height in zip(view.ids.tolist(), heights, strict=True)
+        ]
+        assert selection.detail.tolist() == expected
+        chosen.append((selection.detail, expected))
+        drawn[view.ids] = selection.detail
+        if rng.random() < 0.1:
+            # As after frames that were not this policy's.
+            drawn[view.ids[:3]], frame = 0.0, frame + 1
+    assert all(detail.tolist() == levels for detail, levels in chosen)  # none was changed later
+
+
 @pytest.mark.parametrize(
     "wrong",
     [{"first": 0.0}, {"ratio": 1.0}, {"ratio": 0.0}, {"bias": 0.0}, {"hysteresis": -0.1}],
