@@ -135,9 +135,9 @@ class Culler:
     def _take_blocks(self) -> None:
         """Gather what is tested: all blocks, nodes of those between, and nodes that move."""
         blocks, at = self._blocks, (self._state == 1).nonzero()[0]
-        nodes: NDArray[np.intp] = blocks.nodes.take(at, axis=0).reshape(-1)
-        points: FloatArray = blocks.points.take(at, axis=1).reshape(4, -1)
-        radius_m: FloatArray = blocks.radius_m.take(at, axis=0).reshape(-1)
+        nodes = blocks.nodes[at].reshape(-1)
+        points = blocks.points[:, at].reshape(4, -1)
+        radius_m = blocks.radius_m[at].reshape(-1)
         self._nodes = np.concatenate((nodes, self._centers.moving))
         self._tested = np.concatenate((blocks.around, points, self._moving_m), axis=1)
         self._behind_m = -np.concatenate((blocks.around_m, radius_m, self._moving_radius_m))

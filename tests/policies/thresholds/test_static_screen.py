@@ -123,7 +123,8 @@ def test_levels_follow_the_rule_whatever_came_before(
     scene = make_scene(rng.uniform(-12, 12, (60, 3)), kind=np.arange(60) % 2, levels=levels)
     policy = StaticScreen(hysteresis=hysteresis)
     policy.reset(scene, 16.0)
-    drawn, frame, last, chosen = np.full(60, np.nan), 0, None, []
+    drawn, frame, last = np.full(60, np.nan), 0, None
+    chosen: list[tuple[np.ndarray, list[int]]] = []
     for _ in range(80):
         frame += int(rng.choice((1, 1, 1, 2)))
         position = tuple(rng.uniform(-step_m, step_m, 3))
@@ -131,7 +132,7 @@ def test_levels_follow_the_rule_whatever_came_before(
         if last is not None and np.array_equal(last.ids, view.ids):
             view = View(view.state, last.ids, view.xyz_m, last.nodes)
         last, bias = view, float(rng.choice((0.05, 0.9, 1.0, 1.1)))
-        before = drawn.copy()
+        before = [float(level) for level in drawn]
         selection = policy.select_biased(view, bias)
         heights = screen_height(view, bias).tolist()
         expected = [
