@@ -97,7 +97,8 @@ class _Search:
         """
         x = np.where(self.free, start, self.held_x)
         excess = float(self.cost @ x) - self.budget
-        while excess > 0.0:
+        # An excess by rounding, as at the optimum of the frame before, is none.
+        while excess > _TOLERANCE * self.budget:
             # Out of passes: the point still is `low`, which keeps every bound and the budget.
             if self.iterations == max_iterations:
                 return
