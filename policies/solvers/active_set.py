@@ -97,7 +97,8 @@ class _Search:
         """
         x = np.where(self.free, start, self.held_x)
         excess = float(self.cost @ x) - self.budget
-        while excess > 0.0:
+        # An excess by rounding, as at the optimum of the frame before, is none.
+        while excess > _TOLERANCE * self.budget:
             # Out of passes: the point still is `low`, which keeps every bound and the budget.
             if self.iterations == max_iterations:
                 return
@@ -155,16 +156,21 @@ class _Search:
         self.rest += length * (scale - self.rest)
         return False
 
-    def _hold(self, at: IntArray, bound: FloatArray, held: BoolArray) -> None:
-        at_bound, cost = bound[at], self.cost[at]
-        self.wanted -= float(self.paid[at].sum())
-        self.spent += float(cost @ at_bound)
-        self.held_x[at] = at_bound
+    def _hold(self, variables: list[int], bound: FloatArray, held: BoolArray) -> None:
+        if len(variables) == 1:  # the rule, and much faster than as an array of one
+            at = variables[0]
+            paid, spent = float(self.paid[at]), float(self.cost[at]) * float(bound[at])
+        else:
+            at = np.array(variables)
+            paid, spent = float(self.paid[at].sum()), float(self.cost[at] @ bound[at])
+        self.wanted -= paid
+        self.spent += spent
+        self.held_x[at] = bound[at]
         self.paid[at] = 0.0
         self.free[at] = False
         held[at] = True
-        self.above.strike(at)
-        self.below.strike(at)
+        self.above.strike(variables)
+        self.below.strike(variables)
         # What a difference has lost of its digits is made good before it matters.
         if self.wanted < 0.5 * self.known:
             self._count_free()

@@ -18,8 +18,6 @@ _MARGIN = 1.02
 _FEW = 16
 """Bounds that are looked at from pass to pass."""
 
-_NOBODY = np.zeros(0, dtype=np.intp)
-
 
 class Where(NamedTuple):
     """Where free variables are, at ``part · place + rest``, (n,), and their target."""
@@ -34,7 +32,7 @@ class Meeting(NamedTuple):
     """A share of the way to the target, 1 for no bound on it, and who meets its bound there."""
 
     length: float
-    variables: IntArray
+    variables: list[int]
 
 
 class NearBounds:
@@ -58,18 +56,17 @@ class NearBounds:
         self._few: list[tuple[int, float, float]] = []  # variable, bound and place
         self._limit, self._beyond, self._part = -math.inf, 0.0, 1.0
 
-    def strike(self, held: IntArray) -> None:
+    def strike(self, held: list[int]) -> None:
         """Look at variables no more, as they are held."""
         self._bound[held] = math.inf
         if len(held) > _FEW:
             self.forget()
             return
-        gone: list[int] = held.tolist()
-        self._few = [each for each in self._few if each[0] not in gone]
+        self._few = [each for each in self._few if each[0] not in held]
 
     def first(self, where: Where) -> Meeting:
         """Return the first bound met among the few; it is right if `sure` says so."""
-        return self._among_few(where) if self._few else Meeting(1.0, _NOBODY)
+        return self._among_few(where) if self._few else Meeting(1.0, [])
 
     def sure(self, where: Where, length: float) -> bool:
         """Return whether none but the few meets its bound within a share of the way.
@@ -92,7 +89,7 @@ class NearBounds:
                 length, met = way, [variable]
             elif way == length:
                 met.append(variable)
-        return Meeting(length, np.array(met, dtype=np.intp))
+        return Meeting(length, met)
 
     def first_of_all(self, where: Where) -> Meeting:
         """Return the first bound met, and note which few come next."""
@@ -102,12 +99,12 @@ class NearBounds:
         bound, place = self._bound[at], self._sign * where.place[at]
         here = np.minimum(where.part * place + self._sign * where.rest, bound)
         room = bound - here
-        length, met = 1.0, _NOBODY
+        length, met = 1.0, list[int]()
         before = bound < target
         if before.any():
             way = np.divide(room, target - here, out=np.ones(len(at)), where=before)
             length = float(way.min())
-            met = at[way <= length]
+            met = at[way <= length].tolist()
         # Where many meet their bounds at once, as they do at first, the target moves far.
         if len(met) <= _FEW:
             self._note_few(at, bound, place, room / (limit - here))
