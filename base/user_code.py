@@ -10,6 +10,7 @@ import importlib
 import importlib.util
 import re
 import sys
+from contextlib import redirect_stdout
 from importlib.abc import SourceLoader
 from pathlib import Path
 from types import ModuleType
@@ -65,9 +66,12 @@ def load_source(name: str, path: str, source: bytes) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look their module up while it is executed
     try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:  # a script may end with sys.exit()
+        with redirect_stdout(sys.stderr):  # what a command prints on stdout is its result alone
+            spec.loader.exec_module(module)
+    except BaseException as error:  # a script may end with sys.exit(), and raise anything
         del sys.modules[name]
+        if isinstance(error, KeyboardInterrupt):
+            raise
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise InputError(
             f"expected a Python file that loads, got {describe_error(error)}",

@@ -77,7 +77,7 @@ class SteadyCosts(ResolutionCosts):
             self._least.take(kind),
             np.ones(len(kind)),
             np.ascontiguousarray(self._key.take(kind, axis=0).T),
-            levels.level_count.take(kind) - 1.0,
+            np.subtract(levels.level_count.take(kind), 1.0, dtype=np.float64),
         )
 
     def fixed_ms(self, view: View) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from .falling_cut import FallingCut
 from .increment_forest import IncrementForest
 
@@ -17,7 +17,7 @@ class IncrementChains(IncrementForest):
         is infinite.  `cut` is kept from frame to frame.
         """
         self._all_cost, self._ratio, self._cut = cost.ravel(), ratio.ravel(), cut
-        self.taken = np.zeros(cost.shape, dtype=np.bool_)
+        self.taken: BoolArray = np.zeros(cost.shape, dtype=np.bool_)
         self.count = int(np.count_nonzero(ratio > 0.0))
         self._untouched = self.count > 0
         self._follow(np.zeros(0, dtype=np.intp))

@@ -37,6 +37,17 @@ def test_an_edited_file_is_loaded_anew(tmp_path: Path) -> None:
     assert (old.value, new.value) == (1, 2)
 
 
+def test_what_a_file_does_while_it_is_loaded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What it prints is not on stdout, where results are; whatever it raises is one error."""
+    path = tmp_path / "mine.py"
+    path.write_text("print('noise')\nraise BaseException('mine')\n", encoding="utf-8")
+    with pytest.raises(InputError, match="a Python file that loads, got BaseException: mine"):
+        load_object(f"{path}:Mine", "policy")
+    assert capsys.readouterr() == ("", "noise\n")
+
+
 def test_another_process_finds_the_file(tmp_path: Path) -> None:
     """An object pickled for a worker is unpickled where its file was never loaded."""
     mine = mine_of(tmp_path / "mine.py", 7)

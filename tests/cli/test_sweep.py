@@ -124,6 +124,22 @@ def test_a_dry_run_writes_nothing(study: Path, capsys: pytest.CaptureFixture[str
     assert sorted(study.parent.rglob("*")) == before
 
 
+@pytest.mark.parametrize(
+    ("text", "arguments", "refused"),
+    [
+        ('policies = "full"', ["--workers", "-1"], "workers: expected a whole number >= 0, got -1"),
+        ('policies = "full"\n[[exclude]]\npolicy = "full"', [], "got none but excluded ones"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused(
+    study: Path, capsys: pytest.CaptureFixture[str], text: str, arguments: list[str], refused: str
+) -> None:
+    """A dry run neither waits for workers that never come nor divides by runs that are not."""
+    study.write_text(f"{text}\n", encoding="utf-8")
+    assert run(["sweep", "small.toml", "--dry-run", *arguments]) == 2
+    assert refused in capsys.readouterr().err
+
+
 def test_show_in_every_form(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables tell who has no scores; pasted forms have only themselves on stdout."""
     run(["sweep", "small.toml"])

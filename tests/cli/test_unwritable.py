@@ -161,6 +161,11 @@ def test_a_full_disk_is_told_after_the_scores(
         assert "• full" in captured.out
         assert "report:" not in captured.out
     assert (folder / "comparison.json").read_bytes() == before
+    # The runs are kept, so that only the writing is done again where there is room.
+    unfinished = folder.with_name(".lodbench-run.unfinished")
+    assert set(folder.parent.iterdir()) == {folder, unfinished}
+    monkeypatch.setattr(comparison_folder, "frame_log_names", names)
+    assert run([*SMALL, "--seed", "7", "--out", str(folder)]) == 0
     assert list(folder.parent.iterdir()) == [folder]
 
 

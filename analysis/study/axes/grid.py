@@ -41,9 +41,9 @@ class Axis:
     def __post_init__(self) -> None:
         if not self.values:
             raise InputError(f"{self.name}: expected one value or more, got none; name one")
-        seen: set[tuple[type, Cell]] = set()
+        seen: set[tuple[bool, Cell]] = set()
         for cell in self.cells:
-            told = (type(cell), cell)  # True equals 1, and is another cell nevertheless
+            told = (isinstance(cell, bool), cell)  # True equals 1, and is another cell; 1.0 is not
             if told in seen:
                 raise InputError(f"{self.name}: expected each once, got {cell} twice; name it once")
             seen.add(told)

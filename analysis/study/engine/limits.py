@@ -12,6 +12,8 @@ _FALLBACK_BYTES = 2**30
 """Where the system does not say what is available."""
 _LEAST_BYTES = 2**26
 """Below this the simulator itself does not fit."""
+_MOST_BYTES = 2**60
+"""The system counts in 64 bits, and a worker holds something already."""
 _START, _MEAN = 10.0, 1.0 / 60.0
 _CGROUP = Path("/sys/fs/cgroup")
 _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12} | {
@@ -49,7 +51,7 @@ class Limits:
                 "1e7 is as good as none"
             )
         if self.memory_bytes is not None:
-            require_between(self.memory_bytes, _LEAST_BYTES, float("inf"), "policy memory in bytes")
+            require_between(self.memory_bytes, _LEAST_BYTES, _MOST_BYTES, "policy memory in bytes")
 
     def run_s(self, frames: int) -> float:
         """Return the time that a run may have taken when so many frames are begun."""

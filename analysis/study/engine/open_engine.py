@@ -1,5 +1,6 @@
 """The engine that a study is carried out on."""
 
+from ....base.errors import require_whole
 from .limits import Limits
 from .local.launch import SERVER
 from .local.local_engine import LocalEngine
@@ -15,7 +16,7 @@ def open_engine(
 ) -> Engine:
     """Return an engine, to be entered, for tasks that share these inputs.
 
-    Raises `InputError` if there is no such engine.
+    Raises `InputError` if there is no such engine, or there are to be fewer than no workers.
 
     Parameters
     ----------
@@ -26,6 +27,7 @@ def open_engine(
     scheduler
         Address of a Dask scheduler (see `Cluster`); None for this machine.
     """
+    require_whole(workers, "workers", 0)  # with fewer, tasks would wait for ever
     if scheduler is not None:
         from .cluster.dask_engine import DaskEngine
 

@@ -47,6 +47,8 @@ def estimate(study: Study, engine: Engine) -> Estimate:
     Raises `InputError` as `Study.run_list`, or if the parameters of a policy are refused.
     """
     kinds = list(study.kinds())
+    if not kinds:
+        study.run_list()  # says why there are none
     # Each twice: the first pays for what a process loads once.
     cases = [case for _, case in kinds]
     tasks = [_shortened(case.run) for case in cases for _ in range(2)]

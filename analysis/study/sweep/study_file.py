@@ -136,9 +136,12 @@ class _Reader:
     def _policies(self, value: Any) -> tuple[dict[str, PolicySpec], dict[str, dict[str, Any]]]:
         """Return the policies by label, and the values of the parameters that vary."""
         if not isinstance(value, dict):
-            return {
-                text: self._policy(text, "policies") for text in self._texts(value, "policies")
-            }, {}
+            found: dict[str, PolicySpec] = {}
+            for text in self._texts(value, "policies"):
+                if text in found:
+                    self._document.fail("policies", f"expected each once, got {text} twice")
+                found[text] = self._policy(text, "policies")
+            return found, {}
         specs: dict[str, PolicySpec] = {}
         varied: dict[str, dict[str, Any]] = {}
         for label, given in cast("dict[str, Any]", value).items():

@@ -179,7 +179,7 @@ def test_borrowers_draw_what_their_holders_own(
         assert find_violation(selection, view.ids, scene) is None
         row, fraction = levels.position(view.type_index, selection.detail)
         none = np.zeros(len(ids))
-        drawn_sets.record(selection, Drawn(ids, selection.detail, row, fraction, view, none, none))
+        drawn_sets.record(selection, Drawn(ids, selection.detail, row, fraction, view, none))
 
 
 def test_without_sharing_every_object_extracts_its_own(

@@ -186,7 +186,7 @@ def test_any_instance_is_solved(
     result = allocate(weight, cost, budget, power=power, low=low, high=1.0)
     if floor < budget < full:
         assert kkt_residual(result, weight, cost, budget, power=power, low=low, high=1.0) < 1e-9
-    assert result.iterations < 60
+    assert result.iterations <= 60
 
 
 @settings(deadline=None, max_examples=100)

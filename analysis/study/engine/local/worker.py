@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .....base.errors import InputError, PolicyError
+from .....base.foreign_text import describe_error
 from .....policies.registry import register_policy
 from ..task import Inputs, NotApplicableError, Task
 from .memory import limit_memory, peak_bytes
@@ -141,7 +142,9 @@ class _Session:
         except InputError:  # a user's file that has gone or changed
             raise
         except BaseException as error:  # whatever the state of a user's object raises
-            raise PolicyError("", None, f"its class does not load: {describe(error)}") from error
+            raise PolicyError(
+                "", None, f"its class does not load: {describe_error(error)}"
+            ) from error
 
 
 def _identity(fd: int) -> int:
@@ -189,22 +192,13 @@ def _prepare(channel: socket.socket, inputs_fd: int) -> dict[str, Any]:
 
 def _reply_to(index: int, error: BaseException, frame: int) -> Reply:
     """Return what is said of a task that raised."""
+    if isinstance(error, InputError) and isinstance(error.__cause__, MemoryError):
+        error = error.__cause__  # a constructor was beyond its limit: that is no bad parameter
     if isinstance(error, PolicyError):
         return Reply(index, "failed", reason=str(error.reason), frame=error.frame)
     if isinstance(error, NotApplicableError):
-        return Reply(index, "not-applicable", reason=describe(error, named=False))
+        return Reply(index, "not-applicable", reason=str(error))
     if isinstance(error, InputError):
         reason, path, line = error.message, error.path, error.line
         return Reply(index, "input", reason=reason, path=path, line=line)
-    return Reply(index, "failed", reason=describe(error), frame=frame_of(frame))
-
-
-def describe(error: BaseException, *, named: bool = True) -> str:
-    """Return an exception in one line, also one whose text cannot be had."""
-    try:
-        text = " ".join(str(error).split())
-    except BaseException:  # noqa: BLE001 - whatever its __str__ raises
-        text = ""
-    if not named:
-        return text
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    return Reply(index, "failed", reason=describe_error(error), frame=frame_of(frame))

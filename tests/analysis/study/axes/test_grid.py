@@ -45,6 +45,8 @@ def test_occupied_combinations_are_of_what_is_left() -> None:
 
 def test_a_value_twice_is_refused() -> None:
     """It would be run twice; but a truth value is not the number that it equals."""
+    with pytest.raises(InputError, match=r"b: expected each once, got 5\.0 twice"):
+        Axis("b", (5, 5.0), (5, 5.0))
     with pytest.raises(InputError, match=r"b: expected each once, got 0\.5 twice"):
         axis("b", 0.5, 1, 0.5)
     assert len(axis("b", True, 1, None).values) == 3

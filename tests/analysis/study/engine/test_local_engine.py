@@ -17,6 +17,7 @@ from lodbench.analysis.study.engine.local import launch
 from lodbench.analysis.study.engine.local.local_engine import LocalEngine
 from lodbench.analysis.study.engine.task import NotApplicableError, Outcome
 from lodbench.base.errors import InputError, PolicyError
+from lodbench.policies.policy_spec import PolicySpec
 
 LIMITS = Limits(timeout_s=30.0)
 
@@ -115,6 +116,22 @@ def test_how_a_task_can_end() -> None:
 
     with pytest.raises(InputError, match=r"^a\.toml:3: expected more$"):
         run(Does("a", refuses))
+
+
+def test_who_is_made_without_memory_fails_alone() -> None:
+    """Taking too much in a constructor is no bad input, which would end the study."""
+
+    class Large:
+        """Is never made."""
+
+        def __init__(self) -> None:
+            raise MemoryError
+
+    spec = PolicySpec("large", "large", Large, {})
+    failed, done = run(Does("a", lambda _: spec.make()), Does("b", lambda _: 1), stop=False)
+    assert failed.failure is not None
+    assert (failed.failure.kind, failed.failure.reason) == ("failed", "MemoryError")
+    assert done.result == 1
 
 
 def test_what_cannot_be_sent_is_named() -> None:

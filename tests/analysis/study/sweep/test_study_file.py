@@ -152,6 +152,13 @@ def test_a_mistake_is_told_with_its_line(folder: Path, right: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_a_policy_twice_is_refused(folder: Path) -> None:
+    """As every other value of an axis is, with its line."""
+    path = write(folder, 'traces = "walk"\npolicies = ["full", "full"]\n')
+    with pytest.raises(InputError, match=r":2: policies: expected each once, got full twice"):
+        read_study(path)
+
+
 def test_a_file_that_is_named_wrongly_is_named(folder: Path) -> None:
     """What is wrong in a file of a path is told with that file and not with the study."""
     (folder / "paths" / "a.csv").write_text("nothing\n", encoding="utf-8")
