@@ -63,7 +63,7 @@ class LevelHulls:
         """Take rows of factors, (F, L), one of which multiplies the benefits of an object."""
         levels = scene.types.levels
         self._costs, self._count = costs, levels.level_count
-        columns: IntArray = np.arange(factor.shape[1])
+        columns = np.arange(factor.shape[1], dtype=np.intp)
         row = np.minimum(levels.start[:-1, None] + columns, levels.start[1:, None] - 1)
         lacking = columns >= levels.level_count[:, None]
         cost_ms = np.where(lacking, np.inf, costs.level_ms[row])

@@ -134,10 +134,10 @@ def test_levels_follow_the_rule_whatever_came_before(
         last, bias = view, float(rng.choice((0.05, 0.9, 1.0, 1.1)))
         before = [float(level) for level in drawn]
         selection = policy.select_biased(view, bias)
-        heights = screen_height(view, bias).tolist()
+        heights = list(map(float, screen_height(view, bias)))
         expected = [
             level_by_rule(height, before[i], 4 - 2 * (i % 2), hysteresis)
-            for i, height in zip(view.ids.tolist(), heights, strict=True)
+            for i, height in zip(map(int, view.ids), heights, strict=True)
         ]
         assert selection.detail.tolist() == expected
         chosen.append((selection.detail, expected))
