@@ -18,6 +18,7 @@ from types import ModuleType
 from .errors import InputError
 from .foreign_text import describe_error
 from .nearest_names import unknown_name
+from .rehearsal import rehearse
 
 _PREFIX = "lodbench_user_"
 
@@ -50,7 +51,10 @@ def load_file(path: Path, what: str) -> ModuleType:
     if not path.is_file():
         raise InputError(f"expected a Python file with a {what}, got no file", path=path)
     source = path.read_bytes()
-    return load_source(_module_name(path, source), str(path), source)
+    name = _module_name(path, source)
+    if name not in sys.modules:
+        rehearse(lambda: load_source(name, str(path), source), path)
+    return load_source(name, str(path), source)
 
 
 def load_source(name: str, path: str, source: bytes) -> ModuleType:
