@@ -65,19 +65,25 @@ class _Search:
         # What costs nothing is at its upper bound, and what weighs nothing at its lower, for good.
         self.held_high = (self.cost <= 0.0) | (self.low >= self.high)
         self.held_low = (self.weight <= 0.0) & ~self.held_high
-        # The unit is infinite where the cost is 0; with 0 there, sums over everything need no mask.
-        self.unit = np.where(self.held_high, 0.0, shares.unit())
-        self.free = ~(self.held_high | self.held_low)
-        self.paid = self.unit * self.cost
-        self.paid[self.held_low] = 0.0
-        self.held_x = np.where(self.held_high, self.high, np.where(self.held_low, self.low, 0.0))
-        lowest = np.divide(self.low, self.unit, out=np.zeros(len(self.low)), where=self.free)
-        falling, rising = np.full((2, len(lowest)), np.inf)
-        np.negative(lowest, out=falling, where=self.free)
-        np.divide(self.high, self.unit, out=rising, where=self.free)
+        held = self.held_high | self.held_low
+        self.free = ~held
+        self.unit = shares.unit()
+        self.held_x = np.zeros(len(self.cost))
+        some = bool(held.any())
+        if some:
+            # The unit is infinite where the cost is 0; with 0, sums over everything need no mask.
+            self.unit[self.held_high] = 0.0
+            self.held_x = np.where(self.held_high, self.high, np.where(held, self.low, 0.0))
+        self.paid = np.where(self.held_low, 0.0, self.unit * self.cost)
+        # What is held stands at 1 there, out of reach of anything.
+        unit = np.where(self.free, self.unit, 1.0) if some else self.unit
+        lowest = self.low / unit
+        falling, rising = -lowest, self.high / unit
+        if some:
+            falling[held] = rising[held] = np.inf
         self.above, self.below = NearBounds(rising, 1.0), NearBounds(falling, -1.0)
         # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
-        self.place, self.part, self.rest = lowest.copy(), 1.0, 0.0
+        self.place, self.part, self.rest = lowest, 1.0, 0.0
         self._count_free()
 
     @property
@@ -156,12 +162,12 @@ class _Search:
         self.rest += length * (scale - self.rest)
         return False
 
-    def _hold(self, variables: list[int], bound: FloatArray, held: BoolArray) -> None:
+    def _hold(self, variables: IntArray | list[int], bound: FloatArray, held: BoolArray) -> None:
         if len(variables) == 1:  # the rule, and much faster than as an array of one
-            at = variables[0]
+            at = int(variables[0])
             paid, spent = float(self.paid[at]), float(self.cost[at]) * float(bound[at])
         else:
-            at = np.array(variables)
+            at = np.asarray(variables)
             paid, spent = float(self.paid[at].sum()), float(self.cost[at] @ bound[at])
         self.wanted -= paid
         self.spent += spent
