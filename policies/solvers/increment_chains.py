@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
+from .column_counts import count_true
 from .falling_cut import FallingCut
 from .increment_forest import IncrementForest
 
@@ -59,7 +60,7 @@ class IncrementChains(IncrementForest):
         # last one taken.
         begins = np.flatnonzero(np.diff(row, prepend=-1))
         before = np.arange(len(at)) - np.repeat(begins, np.diff(begins, append=len(at)))
-        done = np.add.reduce(self.taken, axis=1, dtype=np.intp)
+        done = count_true(np.ascontiguousarray(self.taken.T))
         return at[place - done[row] == before]
 
     def _sort(self) -> None:

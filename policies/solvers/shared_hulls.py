@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
+from .column_counts import count_true
 from .falling_cut import FallingCut
 from .knapsack import hull_increments
 
@@ -70,7 +71,7 @@ class SharedHulls:
         taken = taken.reshape(key.shape)
         if skip_misfits and first_left >= 0:
             _go_on(key, cost, taken, left - spent)
-        steps = np.add.reduce(taken, axis=0, dtype=np.intp)
+        steps = count_true(taken)
         # Nothing that was left out can be better than all that was taken, if all was.
         if or_single and first_left >= 0:
             gain = hulls.single.take(kind)
