@@ -16,13 +16,11 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from .allocation import Allocation, Shares
+from .falling_prefix import falling_prefix
 from .near_bounds import NearBounds, Where
 
 _SHRINK = 0.8
 """Factor by which a start that is too dear is scaled down; the paper's is lost, this is ours."""
-
-_FIRST_LOOK = 64
-"""Objects among which those to scale down are looked for first."""
 
 _TOLERANCE = 1e-12
 """Relative size below which a multiplier counts as zero and a budget as spent."""
@@ -110,7 +108,9 @@ class _Search:
                 return
             # Degradation over cost is proportional to (unit / x)^power, which sorts alike.
             less = np.where(self.free, np.maximum(_SHRINK * x, self.low), x)
-            scaled = _until(self.unit / x, self.cost * (x - less), excess)
+            # No more objects than are needed: up to where the savings first make up for the excess.
+            order, saved = falling_prefix(self.unit / x, self.cost * (x - less), excess)
+            scaled = order[: int(np.searchsorted(saved, excess)) + 1]
             x[scaled] = less[scaled]
             excess = float(self.cost @ x) - self.budget
             self.iterations += 1
@@ -220,17 +220,3 @@ class _Search:
         for side, bound in ((self.above, self.high), (self.below, self.low)):
             side.renew(worst, bound[worst] / unit)
         return False
-
-
-def _until(key: FloatArray, saved: FloatArray, excess: float) -> IntArray:
-    """Return who comes first by falling key, up to where savings make up for the excess."""
-    count, top = _FIRST_LOOK, np.arange(len(key))
-    # Few are needed from frame to frame, and only these need be in order.
-    while count < len(key):
-        some = np.argpartition(key, len(key) - count)[-count:]
-        if float(saved[some].sum()) >= excess:
-            top = np.sort(some)
-            break
-        count *= 8
-    top = top[np.argsort(-key[top], kind="stable")]
-    return top[: int(np.searchsorted(np.cumsum(saved[top]), excess)) + 1]
