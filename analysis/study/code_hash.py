@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ...base.content_hash import SIZE_BYTES, content_hash
+from ...base.portable_pickle import portable_pickle
 from ...policies.policy_spec import PolicySpec
 
 _ROOT = Path(__file__).parents[2]
@@ -54,8 +55,8 @@ def policy_hash(spec: PolicySpec) -> str:
     That code is the file of the class and the user's modules that it uses.  What a policy reads
     while it runs, such as a file of weights, is not known.
 
-    Raises TypeError or OSError if there is no content to tell it by, such as of a class that was
-    typed into a prompt, or of an object that holds a function.
+    Raises TypeError if there is no content to tell it by, such as of an object that holds a
+    function.
     """
     cls = spec.cls
     made = None if spec.made is None else spec.made.__getstate__()
@@ -68,9 +69,13 @@ def _source(cls: type) -> str:
     """Return the sources of a user's class and of what it is made from; ours have `code_hash`."""
     users = [kind for kind in cls.__mro__[:-1] if not kind.__module__.startswith("lodbench.")]
     modules = {module for kind in users if (module := inspect.getmodule(kind)) is not None}
-    # A notebook's cell has no file; of what has, all counts, as its other functions matter too.
-    cells = [inspect.getsource(kind) for kind in users if inspect.getmodule(kind) is None]
-    return "\n".join([*cells, *_texts(modules)])
+    try:
+        # A notebook's cell has no file; of what has, all counts, as its other functions matter too.
+        cells = [inspect.getsource(kind) for kind in users if inspect.getmodule(kind) is None]
+        return "\n".join([*cells, *_texts(modules)])
+    except (TypeError, OSError):
+        # Of what was typed into a prompt nothing is left but the code itself.
+        return portable_pickle(cls).hex()
 
 
 def _texts(modules: set[ModuleType]) -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
+from ..solvers.column_counts import count_true
 from ..view import View
 from .discretise import detail_of_level, level_of_detail
 from .kept import Kept
@@ -57,7 +58,5 @@ class ErrorLadder:
 
 
 def _coarsest(error_m: FloatArray, allowed_m: FloatArray) -> FloatArray:
-    good = np.less_equal(error_m, allowed_m)
-    level = np.add.reduce(good, axis=0, dtype=np.float64)
-    level -= 1.0
+    level = count_true(np.less_equal(error_m, allowed_m)) - 1.0
     return np.maximum(level, 0.0, out=level)

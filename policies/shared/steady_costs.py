@@ -6,6 +6,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
+from ..solvers.column_counts import count_true
 from ..view import View
 from .choices import distinct, require_costs
 from .kept import Kept
@@ -108,9 +109,8 @@ class SteadyCosts(ResolutionCosts):
         if self._all_soft:
             return resolution
         same = self._kept.of(view)
-        coarser = np.less(same.key, 1.0 - resolution)
-        level = np.add.reduce(coarser, axis=0, dtype=np.float64)
-        np.minimum(level, same.coarsest, out=level)
+        coarser = count_true(np.less(same.key, 1.0 - resolution))
+        level = np.minimum(coarser, same.coarsest)
         if not self._any_soft:
             return level
         return np.where(self._levels.continuous.take(same.kind), resolution, level)

@@ -7,6 +7,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
+from ..solvers.column_counts import count_true
 from ..solvers.falling_cut import FallingCut
 from ..solvers.increment_chains import IncrementChains
 from ..view import View
@@ -80,8 +81,7 @@ class FlatLevels:
 
     def detail(self, view: View, increments: IncrementChains) -> FloatArray:
         """Return the level of each candidate after the increments that were taken, (m,)."""
-        taken = np.add.reduce(increments.taken, axis=1, dtype=np.float64)
-        return np.subtract(self._kept.of(view).last, taken, out=taken)
+        return self._kept.of(view).last - count_true(np.ascontiguousarray(increments.taken.T))
 
 
 def make_flat_levels(scene: Scene, costs: FrameCost) -> FlatLevels | None:

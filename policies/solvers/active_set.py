@@ -16,13 +16,11 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from .allocation import Allocation, Shares
+from .falling_prefix import falling_prefix
 from .near_bounds import NearBounds, Where
 
 _SHRINK = 0.8
 """Factor by which a start that is too dear is scaled down; the paper's is lost, this is ours."""
-
-_FIRST_LOOK = 64
-"""Objects among which those to scale down are looked for first."""
 
 _TOLERANCE = 1e-12
 """Relative size below which a multiplier counts as zero and a budget as spent."""
@@ -65,19 +63,25 @@ class _Search:
         # What costs nothing is at its upper bound, and what weighs nothing at its lower, for good.
         self.held_high = (self.cost <= 0.0) | (self.low >= self.high)
         self.held_low = (self.weight <= 0.0) & ~self.held_high
-        # The unit is infinite where the cost is 0; with 0 there, sums over everything need no mask.
-        self.unit = np.where(self.held_high, 0.0, shares.unit())
-        self.free = ~(self.held_high | self.held_low)
-        self.paid = self.unit * self.cost
-        self.paid[self.held_low] = 0.0
-        self.held_x = np.where(self.held_high, self.high, np.where(self.held_low, self.low, 0.0))
-        lowest = np.divide(self.low, self.unit, out=np.zeros(len(self.low)), where=self.free)
-        falling, rising = np.full((2, len(lowest)), np.inf)
-        np.negative(lowest, out=falling, where=self.free)
-        np.divide(self.high, self.unit, out=rising, where=self.free)
+        held = self.held_high | self.held_low
+        self.free = ~held
+        self.unit = shares.unit()
+        self.held_x = np.zeros(len(self.cost))
+        some = bool(held.any())
+        if some:
+            # The unit is infinite where the cost is 0; with 0, sums over everything need no mask.
+            self.unit[self.held_high] = 0.0
+            self.held_x = np.where(self.held_high, self.high, np.where(held, self.low, 0.0))
+        self.paid = np.where(self.held_low, 0.0, self.unit * self.cost)
+        # What is held stands at 1 there, out of reach of anything.
+        unit = np.where(self.free, self.unit, 1.0) if some else self.unit
+        lowest = self.low / unit
+        falling, rising = -lowest, self.high / unit
+        if some:
+            falling[held] = rising[held] = np.inf
         self.above, self.below = NearBounds(rising, 1.0), NearBounds(falling, -1.0)
         # `settle` has shown that the budget pays for more than `low`: it is a feasible start.
-        self.place, self.part, self.rest = lowest.copy(), 1.0, 0.0
+        self.place, self.part, self.rest = lowest, 1.0, 0.0
         self._count_free()
 
     @property
@@ -104,7 +108,9 @@ class _Search:
                 return
             # Degradation over cost is proportional to (unit / x)^power, which sorts alike.
             less = np.where(self.free, np.maximum(_SHRINK * x, self.low), x)
-            scaled = _until(self.unit / x, self.cost * (x - less), excess)
+            # No more objects than are needed: up to where the savings first make up for the excess.
+            order, saved = falling_prefix(self.unit / x, self.cost * (x - less), excess)
+            scaled = order[: int(np.searchsorted(saved, excess)) + 1]
             x[scaled] = less[scaled]
             excess = float(self.cost @ x) - self.budget
             self.iterations += 1
@@ -156,12 +162,12 @@ class _Search:
         self.rest += length * (scale - self.rest)
         return False
 
-    def _hold(self, variables: list[int], bound: FloatArray, held: BoolArray) -> None:
+    def _hold(self, variables: IntArray | list[int], bound: FloatArray, held: BoolArray) -> None:
         if len(variables) == 1:  # the rule, and much faster than as an array of one
-            at = variables[0]
+            at = int(variables[0])
             paid, spent = float(self.paid[at]), float(self.cost[at]) * float(bound[at])
         else:
-            at = np.array(variables)
+            at = np.asarray(variables)
             paid, spent = float(self.paid[at].sum()), float(self.cost[at] @ bound[at])
         self.wanted -= paid
         self.spent += spent
@@ -214,17 +220,3 @@ class _Search:
         for side, bound in ((self.above, self.high), (self.below, self.low)):
             side.renew(worst, bound[worst] / unit)
         return False
-
-
-def _until(key: FloatArray, saved: FloatArray, excess: float) -> IntArray:
-    """Return who comes first by falling key, up to where savings make up for the excess."""
-    count, top = _FIRST_LOOK, np.arange(len(key))
-    # Few are needed from frame to frame, and only these need be in order.
-    while count < len(key):
-        some = np.argpartition(key, len(key) - count)[-count:]
-        if float(saved[some].sum()) >= excess:
-            top = np.sort(some)
-            break
-        count *= 8
-    top = top[np.argsort(-key[top], kind="stable")]
-    return top[: int(np.searchsorted(np.cumsum(saved[top]), excess)) + 1]

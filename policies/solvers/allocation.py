@@ -63,8 +63,12 @@ class Shares:
 
     def unit(self) -> FloatArray:
         """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is paid."""
-        infinite = np.full(len(self.cost), np.inf)
-        ratio = np.divide(self.weight, self.cost, out=infinite, where=self.cost > 0.0)
+        paid = self.cost > 0.0
+        if paid.all():
+            ratio = self.weight / self.cost
+        else:
+            infinite = np.full(len(self.cost), np.inf)
+            ratio = np.divide(self.weight, self.cost, out=infinite, where=paid)
         # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
         if self.power == 2.0:
             return np.sqrt(ratio, out=ratio)
@@ -80,6 +84,8 @@ class Shares:
             if not count or (math.isfinite(top.max()) and float(cost @ top) <= budget):
                 feasible = count > 0 or budget >= 0.0
                 return Allocation(top.copy(), 0.0, feasible, True, 1, count)
+            if self.weight.min() > 0.0:
+                break
             top = np.where(self.weight > 0.0, self.high, low)
         floor = float(cost @ low)
         if floor < budget:

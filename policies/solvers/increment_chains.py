@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray
+from .column_counts import count_true
 from .falling_cut import FallingCut
+from .falling_prefix import falling_prefix
 from .increment_forest import IncrementForest
 
 
 class IncrementChains(IncrementForest):
-    """An `IncrementForest` without layers, whose first portion is cut instead of sorted."""
+    """An `IncrementForest` without layers, for where nothing else is raised in turn with it."""
 
     def __init__(self, cost: FloatArray, ratio: FloatArray, cut: FallingCut) -> None:
         """Take costs, positive, and the least benefit per cost met on the way to each, (m, W).
@@ -19,28 +21,36 @@ class IncrementChains(IncrementForest):
         self._all_cost, self._ratio, self._cut = cost.ravel(), ratio.ravel(), cut
         self.taken: BoolArray = np.zeros(cost.shape, dtype=np.bool_)
         self.count = int(np.count_nonzero(ratio > 0.0))
-        self._untouched = self.count > 0
-        self._follow(np.zeros(0, dtype=np.intp))
+        # What is left, not in order but by its place in the arrays; all of it at first.
+        self._rest = np.zeros(0, dtype=np.intp)
+        self._key, self._cost = self._ratio, self._all_cost
+        self._untouched, self._sorted = True, False
 
     def slope(self, left: float) -> float:
         """Return benefit per cost of the best increment that costs at most `left`; 0 if none."""
-        if self._untouched:
-            best = int(self._ratio.argmax())
-            if self._all_cost[best] <= left:
-                return float(self._ratio[best])
-            self._sort()
-        return super().slope(left)
+        if self._sorted:
+            return super().slope(left)
+        best = int(self._key.argmax()) if len(self._key) else -1
+        if best >= 0 and self._key[best] > 0.0 and self._cost[best] > left:
+            self._keep_possible(left)
+            best = int(self._key.argmax()) if len(self._key) else -1
+        return max(float(self._key[best]), 0.0) if best >= 0 else 0.0
 
     def take(self, slope: float, left: float) -> float:
         """Take increments in order down to `slope` while they fit; return what they cost."""
-        if not self._untouched or slope > 0.0:
+        if slope > 0.0 or self._sorted:
             self._sort()
             return super().take(slope, left)
-        taken, spent, first_left = self._cut.take(self._ratio, self._all_cost, left)
-        self._untouched = False
-        self.taken = taken.reshape(self.taken.shape)
-        if first_left >= 0:
-            self._follow(self._still_possible(left - spent))
+        if self._untouched:
+            taken, spent, _ = self._cut.take(self._ratio, self._all_cost, left)
+            self.taken = taken.reshape(self.taken.shape)
+        else:
+            order, total = falling_prefix(self._key, self._cost, left)
+            count = int(np.searchsorted(total, left, side="right"))
+            self.taken.ravel()[self._rest[order[:count]]] = True
+            spent = float(total[count - 1]) if count else 0.0
+        # Of what is left only that counts which still fits.
+        self._keep_possible(left - spent)
         return spent
 
     def ahead(self, left: float) -> tuple[float, float]:
@@ -48,32 +58,32 @@ class IncrementChains(IncrementForest):
         self._sort()
         return super().ahead(left)
 
-    def _still_possible(self, left: float) -> IntArray:
-        """Return increments that fit and have none before them in their rows that does not."""
+    def _keep_possible(self, left: float) -> None:
+        """Keep increments that fit and have none before them in their rows that does not."""
+        self._untouched = False
         fits = self._all_cost <= left
         fits &= self._ratio > 0.0
         fits &= ~self.taken.ravel()
         at = fits.nonzero()[0]
-        row, place = np.divmod(at, self.taken.shape[1])
+        row = at // self.taken.shape[1]
         # Those of a row stand together: as many as stand before one are to be between it and the
         # last one taken.
         begins = np.flatnonzero(np.diff(row, prepend=-1))
         before = np.arange(len(at)) - np.repeat(begins, np.diff(begins, append=len(at)))
-        done = np.add.reduce(self.taken, axis=1, dtype=np.intp)
-        return at[place - done[row] == before]
+        done = count_true(np.ascontiguousarray(self.taken.T))
+        before += done[row]
+        before += row * self.taken.shape[1]
+        self._rest = at[at == before]
+        self._key, self._cost = self._ratio[self._rest], self._all_cost[self._rest]
 
     def _sort(self) -> None:
+        """Put what is left in order, as `IncrementForest` has it."""
         if self._untouched:
-            self._untouched = False
-            self._follow(np.flatnonzero(self._ratio > 0.0))
-
-    def _follow(self, at: IntArray) -> None:
-        """Go on with these increments, in order."""
-        key = self._ratio[at]
-        # Stable: of equal keys the one above stands first.
-        order = np.argsort(-key, kind="stable")
-        self._rest, self._key = at[order], key[order]
-        self._cost = self._all_cost[self._rest]
+            self._keep_possible(np.inf)
+        if not self._sorted:
+            self._sorted = True
+            order = np.argsort(-self._key, kind="stable")
+            self._keep(order)
 
     def _drop(self, left: float) -> None:
         """Drop increments that do not fit any more, and those behind them in their rows."""

@@ -32,7 +32,7 @@ class Meeting(NamedTuple):
     """A share of the way to the target, 1 for no bound on it, and who meets its bound there."""
 
     length: float
-    variables: list[int]
+    variables: IntArray | list[int]
 
 
 class NearBounds:
@@ -53,16 +53,18 @@ class NearBounds:
 
     def forget(self) -> None:
         """Look at all bounds at the next question."""
-        self._few: list[tuple[int, float, float]] = []  # variable, bound and place
+        self._few: dict[int, tuple[float, float]] = {}  # bound and place of each
         self._limit, self._beyond, self._part = -math.inf, 0.0, 1.0
 
-    def strike(self, held: list[int]) -> None:
+    def strike(self, held: IntArray | list[int]) -> None:
         """Look at variables no more, as they are held."""
         self._bound[held] = math.inf
-        if len(held) > _FEW:
-            self.forget()
-            return
-        self._few = [each for each in self._few if each[0] not in held]
+        if len(held) <= _FEW:
+            for variable in held:
+                self._few.pop(int(variable), None)
+        else:
+            few = self._few.items()
+            self._few = {each: data for each, data in few if self._bound[each] < math.inf}
 
     def first(self, where: Where) -> Meeting:
         """Return the first bound met among the few; it is right if `sure` says so."""
@@ -79,12 +81,12 @@ class NearBounds:
     def _among_few(self, where: Where) -> Meeting:
         part, rest, target = where.part, self._sign * where.rest, self._sign * where.target
         length, met = 1.0, list[int]()
-        for variable, bound, place in self._few:
+        for variable, (bound, place) in self._few.items():
             if bound >= target:
                 continue
             # Rounding may have carried it past the bound, which is not the way.
-            here = min(part * place + rest, bound)
-            way = (bound - here) / (target - here)
+            here = part * place + rest
+            way = (bound - here) / (target - here) if here < bound else 0.0
             if way < length:
                 length, met = way, [variable]
             elif way == length:
@@ -96,17 +98,23 @@ class NearBounds:
         target = self._sign * where.target
         limit = target * _MARGIN if target > 0.0 else target / _MARGIN
         at = (self._bound < limit).nonzero()[0]
+        if not len(at):
+            self._few, self._beyond = {}, math.inf
+            self._limit, self._part = limit, where.part
+            return Meeting(1.0, at)
         bound, place = self._bound[at], self._sign * where.place[at]
         here = np.minimum(where.part * place + self._sign * where.rest, bound)
         room = bound - here
-        length, met = 1.0, list[int]()
+        length, met = 1.0, at[:0]
         before = bound < target
         if before.any():
             way = np.divide(room, target - here, out=np.ones(len(at)), where=before)
             length = float(way.min())
-            met = at[way <= length].tolist()
+            met = at[way <= length]
         # Where many meet their bounds at once, as they do at first, the target moves far.
-        if len(met) <= _FEW:
+        if len(met) > _FEW:
+            self.forget()
+        else:
             self._note_few(at, bound, place, room / (limit - here))
             self._limit, self._part = limit, where.part
         return Meeting(length, met)
@@ -119,6 +127,5 @@ class NearBounds:
         if len(at) > _FEW:
             few = np.argpartition(far, _FEW)
             self._beyond, few = float(far[few[_FEW]]), few[:_FEW]
-        self._few = list(
-            zip(at[few].tolist(), bound[few].tolist(), place[few].tolist(), strict=True)
-        )
+        values = zip(bound[few].tolist(), place[few].tolist(), strict=True)
+        self._few = dict(zip(at[few].tolist(), values, strict=True))

@@ -11,7 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
+from .column_counts import count_true
 from .falling_cut import FallingCut
+from .falling_prefix import falling_prefix
 from .knapsack import hull_increments
 
 
@@ -70,7 +72,7 @@ class SharedHulls:
         taken = taken.reshape(key.shape)
         if skip_misfits and first_left >= 0:
             _go_on(key, cost, taken, left - spent)
-        steps = np.add.reduce(taken, axis=0, dtype=np.intp)
+        steps = count_true(taken)
         # Nothing that was left out can be better than all that was taken, if all was.
         if or_single and first_left >= 0:
             gain = hulls.single.take(kind)
@@ -153,19 +155,20 @@ def _go_on(key: FloatArray, cost: FloatArray, taken: BoolArray, left: float) -> 
     dead = (cost > left) & ~taken
     np.logical_or.accumulate(dead, axis=0, out=dead)
     rest = ((key > 0.0) & ~(dead | taken)).ravel().nonzero()[0]
-    rest = rest[np.argsort(-key.ravel()[rest], kind="stable")]
-    owner, price = rest % key.shape[1], cost.ravel()[rest]
-    flat = taken.ravel()
+    slope, price, flat = key.ravel()[rest], cost.ravel()[rest], taken.ravel()
     while len(rest):
-        total = np.cumsum(price)
+        order, total = falling_prefix(slope, price, left)
         count = int(np.searchsorted(total, left, side="right"))
-        flat[rest[:count]] = True
+        flat[rest[order[:count]]] = True
         if count == len(rest):
             break
         left -= float(total[count - 1]) if count else 0.0
-        rest, owner, price = rest[count:], owner[count:], price[count:]
-        misfit = (price > left).nonzero()[0]
+        # Edges stand by their places along the hulls, so that a misfit is before those it hides.
+        slope[order[:count]] = 0.0
+        owner = rest % key.shape[1]
+        misfit = (price > left) & (slope > 0.0)
         first = np.full(key.shape[1], len(rest))
-        np.minimum.at(first, owner[misfit], misfit)
-        keep = np.arange(len(rest)) < first[owner]
-        rest, owner, price = rest[keep], owner[keep], price[keep]
+        at = misfit.nonzero()[0]
+        np.minimum.at(first, owner[at], at)
+        keep = (slope > 0.0) & (np.arange(len(rest)) < first[owner])
+        rest, slope, price = rest[keep], slope[keep], price[keep]

@@ -1,4 +1,7 @@
-"""Every policy that runs by default, with 3,100 objects in view and a camera that moves."""
+"""Every policy that runs by default, with 3,100 objects in view and a camera that moves.
+
+Times are in passes of plain numpy that culls and projects as many objects, in the same run.
+"""
 
 import math
 import statistics
@@ -18,7 +21,14 @@ from lodbench.policies.protocol import Truth, why_not_applicable
 from lodbench.policies.registry import default_policies, parse_policy
 
 Make = Callable[..., Any]
-OBJECTS, FRAMES, AIM_MS = 3_100, 40, 5.0
+OBJECTS, FRAMES = 3_100, 40
+AIM_PASSES = 8.0
+AIMS_PASSES = {
+    "funkhouser:mode=greedy": 40.0,
+    "funkhouser:mode=incremental": 40.0,
+}
+"""What is not on hulls made once: every frame sorts all pairs of object and level."""
+
 COSTS = CostModel.of(1.0, {"triangles": 5e-6, "draw_calls": 5e-4, "shaded_samples": 1e-7})
 CHAIN = (4000.0, 2000.0, 1000.0, 500.0, 250.0)
 SPECS = ("funkhouser:mode=greedy", "funkhouser:mode=incremental", "funkhouser:misfit=skip")
@@ -72,14 +82,20 @@ def frames_ms(spec: str, scene: Scene, make_view: Make) -> list[float]:
 
 @pytest.mark.parametrize("spec", [*default_policies(), *SPECS])
 def test_frame_of_3100_objects(
-    spec: str, crowd: Scene, make_view: Make, record_property: Callable[[str, object], None]
+    spec: str,
+    crowd: Scene,
+    make_view: Make,
+    plain_ms: Callable[[Scene, Camera], float],
+    record_property: Callable[[str, object], None],
 ) -> None:
-    """The median frame takes at most 5 ms for every policy but the oracle."""
+    """The median frame takes a few passes of the peer."""
     policy = parse_policy(spec).make()
     reason = why_not_applicable(policy.capabilities, crowd)
     if reason is not None:
         pytest.skip(reason)
-    median_ms = statistics.median(frames_ms(spec, crowd, make_view)[2:])
-    record_property("median_ms", median_ms)
-    print(f"{spec}: {median_ms:.2f} ms a frame")
-    assert median_ms <= AIM_MS or policy.capabilities.future
+    own_ms = statistics.median(frames_ms(spec, crowd, make_view)[2:])
+    passes = own_ms / plain_ms(crowd, make_view(crowd).camera)
+    record_property("passes", passes)
+    aim = AIMS_PASSES.get(spec, AIM_PASSES)
+    print(f"{spec}: {own_ms:.2f} ms a frame, {passes:.1f} plain passes (aim {aim:.0f})")
+    assert passes <= aim
