@@ -186,7 +186,8 @@ def test_any_instance_is_solved(
     result = allocate(weight, cost, budget, power=power, low=low, high=1.0)
     if floor < budget < full:
         assert kkt_residual(result, weight, cost, budget, power=power, low=low, high=1.0) < 1e-9
-    assert result.iterations <= 60
+    # At worst every second pass halves a range of twelve decades down to a number's 53 bits.
+    assert result.iterations <= 2 * (53 + 40)
 
 
 @settings(deadline=None, max_examples=100)
