@@ -1,4 +1,8 @@
-"""Memory of a replay: under 300 bytes an object and 400 a frame, beside half a megabyte."""
+"""Memory of a replay: under 420 bytes an object and 500 a frame, beside half a megabyte.
+
+A scene alone is some 120 bytes an object; blocks for culling and what is kept of candidates from
+frame to frame are twice that, and what they spare in time is worth it.
+"""
 
 import gc
 import tracemalloc
@@ -13,7 +17,7 @@ from lodbench.policies.thresholds.static_distance import StaticDistance
 from lodbench.sim.replay import ReplayOptions, replay
 from lodbench.traces.cameras.generators.generate import generate
 
-OBJECT_BYTES, FRAME_BYTES, FIXED_BYTES = 300, 400, 500_000
+OBJECT_BYTES, FRAME_BYTES, FIXED_BYTES = 420, 500, 500_000
 
 
 @pytest.fixture
@@ -58,7 +62,7 @@ def test_peak_memory(
     assert peak < OBJECT_BYTES * objects + FRAME_BYTES * frames + FIXED_BYTES
 
 
-def test_a_frame_log_is_kept_in_400_bytes_a_frame(
+def test_a_frame_log_is_kept_in_500_bytes_a_frame(
     measured: Callable[[int, int], tuple[int, int, int]],
 ) -> None:
     """What a replay leaves behind is its columns, and no copy of them."""
