@@ -1,4 +1,7 @@
-"""Speed of the allocation against ipopt, and of the policies that use it, in one run."""
+"""Speed of the allocation against ipopt, and of the policies that use it, in one run.
+
+Policies are timed in passes of plain numpy that culls and projects as many objects.
+"""
 
 import time
 from collections.abc import Callable
@@ -8,6 +11,7 @@ import casadi
 import numpy as np
 import pytest
 
+from lodbench.models.scene.camera import Camera
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
@@ -23,9 +27,9 @@ def fastest_s(action: Callable[[], object], times: int) -> float:
     """Return the shortest of several runs, which other work on the machine disturbs least."""
     took: list[float] = []
     for _ in range(times):
-        start = time.perf_counter()
+        start = time.process_time()
         action()
-        took.append(time.perf_counter() - start)
+        took.append(time.process_time() - start)
     return min(took)
 
 
@@ -63,14 +67,15 @@ def test_times_faster_than_ipopt(n: int, factor: float) -> None:
         "peng:mode=water-filled",
     ],
 )
-def test_a_frame_of_3100_objects_takes_less_than_5_ms(
+def test_a_frame_of_3100_objects_takes_a_few_plain_passes(
     policy: str,
     make_levels: Callable[..., LevelTable],
     make_scene: Callable[..., Scene],
     make_hardware: Callable[..., Any],
     make_view: Callable[..., View],
+    plain_ms: Callable[[Scene, Camera], float],
 ) -> None:
-    """All in view, the median of frames whose objects move, the first frame included."""
+    """All in view: at most 12 in the median of frames whose objects move, and 24 in the first."""
     rng = np.random.default_rng(5)
     levels = make_levels([(3000.0, 700.0, 100.0), (800.0, 300.0, 40.0)], continuous=True)
     depth_m = rng.uniform(10.0, 200.0, 3100)
@@ -78,18 +83,20 @@ def test_a_frame_of_3100_objects_takes_less_than_5_ms(
     kind = rng.integers(0, 2, 3100)
     costs = make_hardware({"draw_calls": 1e-4, "triangles": 5e-6}).gpu
     chosen = parse_policy(policy).make()
-    took_ms: list[float] = []
+    took_ms, peer_ms = list[float](), 0.0
     for step in range(12):
         position_m = np.stack((side_m[0], side_m[1], -depth_m + 0.05 * step), axis=1)
         scene = make_scene(position_m, kind=kind, levels=levels).with_costs(costs)
+        view = make_view(scene)
         if step == 0:
             chosen.reset(scene, 12.0)
-        view = make_view(scene)
+            peer_ms = plain_ms(scene, view.camera)
         assert len(view) == 3100
-        start = time.perf_counter()
+        start = time.process_time()
         selection = chosen.select(view)
-        took_ms.append(1e3 * (time.perf_counter() - start))
+        took_ms.append(1e3 * (time.process_time() - start))
         assert selection.predicted_ms <= 12.0
-    print(f"\n{policy}: {np.median(took_ms):.2f} ms, at most {max(took_ms):.2f} ms")
-    assert np.median(took_ms) < 5.0
-    assert took_ms[0] < 10.0
+    median, first = np.median(took_ms) / peer_ms, took_ms[0] / peer_ms
+    print(f"\n{policy}: {median:.1f} plain passes, the first frame {first:.1f}")
+    assert median < 12.0
+    assert first < 24.0

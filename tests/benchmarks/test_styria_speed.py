@@ -1,21 +1,32 @@
 """The largest scene under the policy that it was made for: speed and memory.
 
-1.4 million trees under ``zach`` with splitting: at least 20 frames/s, and below 200 bytes a tree
-in the process that loads and replays it.
+1.4 million trees in 75,000 nodes under ``zach`` with splitting: a whole replay is at least half as
+fast as plain numpy that culls and projects all nodes along the same path in the same run, and the
+process that loads and replays the scene stays below 200 bytes a tree.
 """
 
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 
+from lodbench.analysis.study.inputs import load_trace
+from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_catalog import load_scene
+from lodbench.policies.registry import parse_policy
+from lodbench.policies.selection import Selection
+from lodbench.policies.view import View
+from lodbench.sim.replay import ReplayOptions, replay
 
 TREES = 1_400_000
-AIM_FRAMES_PER_S = 20.0
+AIM_OF_PLAIN = 0.5
 AIM_BYTES_PER_TREE = 200.0
 FRAMES = 200
 
 SCRIPT = f"""
-import resource, time
+import resource
 from lodbench.analysis.study.inputs import load_trace
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene_catalog import load_scene
@@ -24,26 +35,59 @@ from lodbench.sim.replay import ReplayOptions, replay
 
 scene = load_scene("styria")
 trace = load_trace("fly-over", scene)
-hardware = load_hardware("geforce2go-2002")
 policy = parse_policy("zach:splitting=true").make()
-start = time.process_time()
 options = ReplayOptions(budget_ms=100.0, frames={FRAMES})
-log = replay(policy, scene, trace, hardware, options, name="zach")
-taken = time.process_time() - start
+log = replay(policy, scene, trace, load_hardware("geforce2go-2002"), options, name="zach")
 assert log["drawn"].mean() > 500, log["drawn"].mean()
-print({FRAMES} / taken, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
 """
 
 
-def test_styria_replays_in_time_and_memory() -> None:
-    """Printed beside the aims; the scene is made before the clock starts."""
+class Noting:
+    """The policy, and the cameras of the frames that it was asked for."""
+
+    def __init__(self) -> None:
+        self.policy = parse_policy("zach:splitting=true").make()
+        self.capabilities = self.policy.capabilities
+        self.cameras: list[Camera] = []
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Prepare the policy."""
+        self.policy.reset(scene, budget_ms)
+
+    def select(self, view: View) -> Selection:
+        """Note the camera; return the policy's selection."""
+        self.cameras.append(view.camera)
+        return self.policy.select(view)
+
+
+def test_styria_replays_at_half_the_rate_of_plain_culling(
+    plain_ms: Callable[[Scene, Camera], float],
+) -> None:
+    """In processor time; the scene is made before the clock starts."""
+    scene, policy = load_scene("styria"), Noting()
+    trace, hardware = load_trace("fly-over", scene), load_hardware("geforce2go-2002")
+    options = ReplayOptions(budget_ms=100.0, frames=FRAMES)
+    start = time.process_time()
+    replay(policy, scene, trace, hardware, options, name="zach")
+    own_ms = 1e3 * (time.process_time() - start) / FRAMES
+    # Plain culling takes the same time wherever the camera is.
+    peer_ms = plain_ms(scene, policy.cameras[FRAMES // 2])
+    print(
+        f"\nstyria: {1e3 / own_ms:.0f} frames/s, plain culling {1e3 / peer_ms:.0f}, "
+        f"ratio {peer_ms / own_ms:.2f} (aim {AIM_OF_PLAIN:.1f})"
+    )
+    assert peer_ms / own_ms >= AIM_OF_PLAIN
+
+
+def test_styria_replays_in_little_memory() -> None:
+    """In a process of its own, printed beside the aim."""
     load_scene("styria")
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    rate, peak = map(float, done.stdout.split())
+    peak = float(done.stdout)
     print(
-        f"\nstyria: {rate:.0f} frames/s (aim {AIM_FRAMES_PER_S:.0f}), peak {peak / 2**20:.0f} MiB, "
-        f"{peak / TREES:.0f} bytes a tree (aim below {AIM_BYTES_PER_TREE:.0f})"
+        f"\nstyria: peak {peak / 2**20:.0f} MiB, {peak / TREES:.0f} bytes a tree "
+        f"(aim below {AIM_BYTES_PER_TREE:.0f})"
     )
-    assert rate >= AIM_FRAMES_PER_S
     assert peak / TREES < AIM_BYTES_PER_TREE

@@ -1,4 +1,7 @@
-"""Speed of mixed selection: what splitting spares at 20,000 groups; a frame of 3,100 objects."""
+"""Speed of mixed selection: what splitting spares at 20,000 groups; a frame of 3,100 objects.
+
+Frames are timed in passes of plain numpy that culls and projects all nodes, in the same run.
+"""
 
 import statistics
 import time
@@ -10,12 +13,14 @@ import pytest
 
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.scene import Scene
 from lodbench.policies.budgets.zach import Zach
 from lodbench.policies.selection import Selection
 from lodbench.policies.shared.zach_groups import Plan
 from lodbench.policies.view import View
 
 Make = Callable[..., Any]
+Plain = Callable[[Scene, Camera], float]
 CHEAP_SETUP = CostModel.of(1.0, {"draw_calls": 1e-7, "splats": 5e-6, "vertices": 1e-5})
 
 
@@ -24,9 +29,9 @@ def timed(policy: Zach, views: list[View]) -> tuple[Selection, float]:
     took_ms: list[float] = []
     selection = policy.select(views[0])
     for view in views[1:]:
-        start = time.perf_counter()
+        start = time.process_time()
         selection = policy.select(view)
-        took_ms.append(1e3 * (time.perf_counter() - start))
+        took_ms.append(1e3 * (time.process_time() - start))
     return selection, statistics.median(took_ms)
 
 
@@ -60,10 +65,10 @@ def test_splitting_spares_variables_and_time_at_20000_groups(
     assert took_ms[True] < took_ms[False] / 4.0
 
 
-def test_a_frame_of_20000_groups_takes_less_than_20_ms(
-    make_styria: Make, make_view: Make, flyover: Camera
+def test_a_frame_of_20000_groups_takes_a_few_plain_passes(
+    make_styria: Make, make_view: Make, plain_ms: Plain, flyover: Camera
 ) -> None:
-    """As `styria` needs it, with the paper's costs and budget and the default parameters."""
+    """At most 8, with the paper's costs and budget, as `styria` needs it, and the defaults."""
     costs = {"draw_calls": 2.45e-3, "splats": 0.35e-3, "vertices": 0.06e-3}
     scene = make_styria(0, forest_depth=8, wooded=0.42).with_costs(CostModel.of(1.0, costs))
     view = make_view(scene, flyover)
@@ -72,15 +77,16 @@ def test_a_frame_of_20000_groups_takes_less_than_20_ms(
         policy = Zach()
         policy.reset(costs, 100.0)
         _, took_ms = timed(policy, [view.at(roots) for _ in range(10)])
-        print(f"\n{took_ms:.1f} ms")
-        assert took_ms < 20.0
+        passes = took_ms / plain_ms(costs, flyover)
+        print(f"\n{took_ms:.1f} ms, {passes:.1f} plain passes")
+        assert passes < 8.0
 
 
 @pytest.mark.parametrize("continuous", [[True, True], [False, False], [True, False]])
-def test_a_frame_of_3100_objects_takes_less_than_5_ms(
-    continuous: list[bool], make_levels: Make, make_scene: Make, make_view: Make
+def test_a_frame_of_3100_objects_takes_a_few_plain_passes(
+    continuous: list[bool], make_levels: Make, make_scene: Make, make_view: Make, plain_ms: Plain
 ) -> None:
-    """Flat scenes, all in view; each object is a variable or a chain of increments."""
+    """At most 25; flat scenes, all in view, each object a variable or a chain of increments."""
     rng = np.random.default_rng(5)
     chains = [(3000.0, 700.0, 100.0), (800.0, 300.0, 40.0)]
     levels = make_levels(chains, continuous=continuous)
@@ -94,14 +100,15 @@ def test_a_frame_of_3100_objects_takes_less_than_5_ms(
     selection, took_ms = timed(policy, [make_view(scene) for _ in range(12)])
     assert len(selection.ids) == 3100
     assert 11.9 < selection.predicted_ms <= 12.0
-    print(f"\n{continuous}: {took_ms:.2f} ms, {selection.work}")
-    assert took_ms < 5.0
+    passes = took_ms / plain_ms(scene, make_view(scene).camera)
+    print(f"\n{continuous}: {took_ms:.2f} ms, {passes:.1f} plain passes, {selection.work}")
+    assert passes < 25.0
 
 
-def test_a_frame_of_3100_nodes_takes_less_than_5_ms(
-    make_styria: Make, make_view: Make, flyover: Camera
+def test_a_frame_of_3100_nodes_takes_a_few_plain_passes(
+    make_styria: Make, make_view: Make, plain_ms: Plain, flyover: Camera
 ) -> None:
-    """A terrain of 1,365 patches and a quadtree of more than 1,700 nodes over trees."""
+    """At most 30; a terrain of 1,365 patches and a quadtree of more than 1,700 nodes over trees."""
     scene = make_styria(3, terrain_depth=5, forest_depth=6, wooded=0.35)
     assert len(scene) > 3100
     costs = {"draw_calls": 1e-5, "splats": 5e-6, "vertices": 1e-5}
@@ -111,5 +118,6 @@ def test_a_frame_of_3100_nodes_takes_less_than_5_ms(
     policy = Zach()
     policy.reset(scene, 16.0)
     selection, took_ms = timed(policy, [view.at(roots) for _ in range(12)])
-    print(f"\n{len(scene)} nodes: {took_ms:.2f} ms, {selection.work}")
-    assert took_ms < 5.0
+    passes = took_ms / plain_ms(scene, flyover)
+    print(f"\n{len(scene)} nodes: {took_ms:.2f} ms, {passes:.1f} plain passes, {selection.work}")
+    assert passes < 30.0
