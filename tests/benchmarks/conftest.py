@@ -1,4 +1,4 @@
-"""A peer that any machine has: plain numpy that culls and projects spheres, timed in the same run."""
+"""A peer that any machine has: plain numpy that culls and projects, timed in the same run."""
 
 import math
 import statistics
