@@ -182,6 +182,35 @@ def test_borrowers_draw_what_their_holders_own(
         drawn_sets.record(selection, Drawn(ids, selection.detail, row, fraction, view, none))
 
 
+@given(seed=st.integers(0, 2**32 - 1))
+def test_those_passed_over_would_have_been_left_as_they_are(
+    make_view: Make, make_scene: Make, make_levels: Make, seed: int
+) -> None:
+    """On random walks the selections are those of a manager that visits all objects."""
+    rng = np.random.default_rng(seed)
+    levels = make_levels((OGRE, (500.0, 100.0)), continuous=True)
+    scene = make_scene(np.zeros((12, 3)), levels=levels, kind=np.arange(12) % 2, radius_m=1e-3)
+    few, everybody = manager(scene, slots=3), manager(scene, slots=3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            everybody, "_concerned", lambda seen, differs: np.arange(len(seen)), raising=True
+        )
+        for _ in range(10):
+            centers_m = np.zeros((3, 12))
+            centers_m[2] = -rng.uniform(1.0, 120.0, 12)
+            ids = np.flatnonzero(rng.random(12) < 0.7).astype(np.int32)
+            base = make_view(scene).state
+            inside = np.isin(np.arange(12), ids)
+            state = replace(base, centers_m=centers_m, inside=inside)
+            view = View(state, ids, state.camera.to_camera(centers_m[:, ids]))
+            one, other = few.select(view), everybody.select(view)
+            assert one.detail.tolist() == other.detail.tolist()
+            assert one.holder is not None
+            assert other.holder is not None
+            assert one.holder.tolist() == other.holder.tolist()
+            assert one.work == other.work
+
+
 def test_without_sharing_every_object_extracts_its_own(
     ogres: Callable[[int], Scene], see: Callable[..., View]
 ) -> None:
