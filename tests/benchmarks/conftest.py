@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-"""A peer that any machine has: plain numpy that culls and projects spheres, in the same run."""
-=======
 """A peer that any machine has: plain numpy that culls and projects, timed in the same run."""
->>>>>>> pol
 
 import math
 import statistics
