@@ -45,11 +45,11 @@ def seconds(start: Any, log_prob: Callable[..., Any], *, vectorize: bool) -> flo
 
 def scalar_s(matrix: Any, time_ms: Any) -> float:
     """Return the shortest processor time of one Gaussian log-probability as one writes it first."""
-    theta = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)[0]
+    theta: Any = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)[0]
     took_s: list[float] = []
     for _ in range(5):
         before = time.process_time()
-        residual = time_ms - matrix @ theta
+        residual: Any = time_ms - matrix @ theta
         _ = float(residual @ residual)
         took_s.append(time.process_time() - before)
     return min(took_s)
