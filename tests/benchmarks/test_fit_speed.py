@@ -45,11 +45,12 @@ def seconds(start: Any, log_prob: Callable[..., Any], *, vectorize: bool) -> flo
 
 def scalar_s(matrix: Any, time_ms: Any) -> float:
     """Return the shortest processor time of one Gaussian log-probability as one writes it first."""
-    theta: Any = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)[0]
+    solution: tuple[Any, ...] = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)
+    theta = np.asarray(solution[0], dtype=np.float64)
     took_s: list[float] = []
     for _ in range(5):
         before = time.process_time()
-        residual: Any = time_ms - matrix @ theta
+        residual = np.subtract(time_ms, matrix @ theta, dtype=np.float64)
         _ = float(residual @ residual)
         took_s.append(time.process_time() - before)
     return min(took_s)
