@@ -45,7 +45,7 @@ def seconds(start: Any, log_prob: Callable[..., Any], *, vectorize: bool) -> flo
 
 def scalar_s(matrix: Any, time_ms: Any) -> float:
     """Return the shortest processor time of one Gaussian log-probability as one writes it first."""
-    theta = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)[0]
+    theta = np.array([3.0, 0.02, 5e-6])
     took_s: list[float] = []
     for _ in range(5):
         before = time.process_time()

@@ -9,13 +9,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from typing import ClassVar
 
 from lodbench.analysis.study.inputs import load_trace
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.camera import Camera
 from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_catalog import load_scene
-from lodbench.policies.registry import parse_policy
+from lodbench.policies.budgets.zach import Zach
+from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
 from lodbench.sim.replay import ReplayOptions, replay
@@ -47,9 +49,10 @@ print(int(status['VmHWM'].split()[0]) * 1024)
 class Noting:
     """The policy, and the cameras of the frames that it was asked for."""
 
+    capabilities: ClassVar[Capabilities] = Zach.capabilities
+
     def __init__(self) -> None:
-        self.policy = parse_policy("zach:splitting=true").make()
-        self.capabilities = self.policy.capabilities
+        self.policy = Zach(splitting=True)
         self.cameras: list[Camera] = []
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
