@@ -63,13 +63,13 @@ class LevelHulls:
         """Take rows of factors, (F, L), one of which multiplies the benefits of an object."""
         levels = scene.types.levels
         self._costs, self._count = costs, levels.level_count
-        columns = np.arange(factor.shape[1], dtype=np.intp)
+        columns: IntArray = np.arange(int(levels.level_count.max()))
         row = np.minimum(levels.start[:-1, None] + columns, levels.start[1:, None] - 1)
         lacking = columns >= levels.level_count[:, None]
         cost_ms = np.where(lacking, np.inf, costs.level_ms[row])
         accuracy = accuracy_of(level_primitives(levels)[row], exponent)
         # A class for each type and row of factors.
-        value = (accuracy[:, None, :] * factor).reshape(-1, factor.shape[1])
+        value = (accuracy[:, None, :] * factor).reshape(-1, len(columns))
         self._hulls = SharedHulls(np.repeat(cost_ms, len(factor), axis=0), value)
         self._factors = len(factor)
         self._detail = np.where(levels.continuous[:, None], levels.resolution[row], columns)

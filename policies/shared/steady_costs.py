@@ -78,7 +78,7 @@ class SteadyCosts(ResolutionCosts):
             self._least.take(kind),
             np.ones(len(kind)),
             np.ascontiguousarray(self._key.take(kind, axis=0).T),
-            np.subtract(levels.level_count.take(kind), 1.0, dtype=np.float64),
+            levels.level_count.take(kind).astype(np.float64) - 1.0,
         )
 
     def fixed_ms(self, view: View) -> float:

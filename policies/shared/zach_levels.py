@@ -64,7 +64,7 @@ class FlatLevels:
             self._cost_ms.take(kind, axis=0),
             self._ratio.take(kind, axis=0),
             self._scene.importance.take(view.ids),
-            np.subtract(self._scene.types.levels.level_count.take(kind), 1.0, dtype=np.float64),
+            self._scene.types.levels.level_count.take(kind).astype(np.float64) - 1.0,
         )
 
     def coarsest(self, view: View) -> FloatArray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import FloatArray
 from .column_counts import count_true
 from .falling_cut import FallingCut
 from .falling_prefix import falling_prefix
@@ -19,7 +19,8 @@ class IncrementChains(IncrementForest):
         is infinite.  `cut` is kept from frame to frame.
         """
         self._all_cost, self._ratio, self._cut = cost.ravel(), ratio.ravel(), cut
-        self.taken: BoolArray = np.zeros(cost.shape, dtype=np.bool_)
+        self._rows, self._width = len(cost), cost.shape[1]
+        self.taken = np.zeros((self._rows, self._width), dtype=np.bool_)
         self.count = int(np.count_nonzero(ratio > 0.0))
         # What is left, not in order but by its place in the arrays; all of it at first.
         self._rest = np.zeros(0, dtype=np.intp)
@@ -43,7 +44,7 @@ class IncrementChains(IncrementForest):
             return super().take(slope, left)
         if self._untouched:
             taken, spent, _ = self._cut.take(self._ratio, self._all_cost, left)
-            self.taken = taken.reshape(self.taken.shape)
+            self.taken = taken.reshape(self._rows, self._width)
         else:
             order, total = falling_prefix(self._key, self._cost, left)
             count = int(np.searchsorted(total, left, side="right"))
@@ -65,14 +66,14 @@ class IncrementChains(IncrementForest):
         fits &= self._ratio > 0.0
         fits &= ~self.taken.ravel()
         at = fits.nonzero()[0]
-        row = at // self.taken.shape[1]
+        row = at // self._width
         # Those of a row stand together: as many as stand before one are to be between it and the
         # last one taken.
         begins = np.flatnonzero(np.diff(row, prepend=-1))
         before = np.arange(len(at)) - np.repeat(begins, np.diff(begins, append=len(at)))
         done = count_true(np.ascontiguousarray(self.taken.T))
         before += done[row]
-        before += row * self.taken.shape[1]
+        before += row * self._width
         self._rest = at[at == before]
         self._key, self._cost = self._ratio[self._rest], self._all_cost[self._rest]
 
@@ -87,8 +88,8 @@ class IncrementChains(IncrementForest):
 
     def _drop(self, left: float) -> None:
         """Drop increments that do not fit any more, and those behind them in their rows."""
-        row = self._rest // self.taken.shape[1]
+        row = self._rest // self._width
         misfit = (self._cost > left).nonzero()[0]
-        first = np.full(len(self.taken), len(row))
+        first = np.full(self._rows, len(row))
         np.minimum.at(first, row[misfit], misfit)
         self._keep(np.flatnonzero(np.arange(len(row)) < first[row]))

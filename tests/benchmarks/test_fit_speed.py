@@ -45,12 +45,11 @@ def seconds(start: Any, log_prob: Callable[..., Any], *, vectorize: bool) -> flo
 
 def scalar_s(matrix: Any, time_ms: Any) -> float:
     """Return the shortest processor time of one Gaussian log-probability as one writes it first."""
-    solution: tuple[Any, ...] = np.linalg.lstsq(matrix[:1000], time_ms[:1000], rcond=None)
-    theta = np.asarray(solution[0], dtype=np.float64)
+    theta = np.array([3.0, 0.02, 5e-6])
     took_s: list[float] = []
     for _ in range(5):
         before = time.process_time()
-        residual = np.subtract(time_ms, matrix @ theta, dtype=np.float64)
+        residual = time_ms - matrix @ theta
         _ = float(residual @ residual)
         took_s.append(time.process_time() - before)
     return min(took_s)

@@ -18,7 +18,6 @@ from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.budgets.zach import Zach
 from lodbench.policies.protocol import Capabilities
-from lodbench.policies.registry import parse_policy
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
 from lodbench.sim.replay import ReplayOptions, replay
@@ -53,7 +52,7 @@ class Noting:
     capabilities: ClassVar[Capabilities] = Zach.capabilities
 
     def __init__(self) -> None:
-        self.policy = parse_policy("zach:splitting=true").make()
+        self.policy = Zach(splitting=True)
         self.cameras: list[Camera] = []
 
     def reset(self, scene: Scene, budget_ms: float) -> None:

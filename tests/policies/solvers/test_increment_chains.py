@@ -17,7 +17,7 @@ Pair = tuple[IncrementForest, IncrementChains]
 def make_pair(rng: np.random.Generator, cut: FallingCut, rows: int, columns: int) -> Pair:
     """Return the same increments as a forest and as chains; rows are of several lengths."""
     cost = rng.integers(1, 60, (rows, columns)).astype(float)
-    gain = cost * rng.integers(1, 30, (rows, columns))
+    gain = cost * rng.integers(1, 30, (rows, columns)).astype(float)
     void = np.arange(columns) >= rng.integers(0, columns + 1, (rows, 1))
     ratio = np.minimum.accumulate(gain / cost, axis=1)
     ratio[void] = -1.0
