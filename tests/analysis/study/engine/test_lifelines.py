@@ -82,4 +82,7 @@ def test_workers_end_with_the_command(
         printed, complained = process.communicate(timeout=30.0)
     assert (process.returncode, printed, complained) == (code, "", said)
     assert list(scratch.iterdir()) == []
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.py", "scratch", "started"]
+    left = {path.name for path in tmp_path.iterdir()} - {"mine.py", "scratch", "started"}
+    # What a command that could do nothing more held is swept by the next that writes there.
+    held = {".lodbench-out.lock", ".lodbench-out.unfinished"}
+    assert left <= (held if number == signal.SIGKILL else set())
