@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,7 @@ def test_a_killed_process_holds_nothing(tmp_path: Path, how: str) -> None:
             lock_file(path)
         process.kill()
         process.wait()
+        time.sleep(0.2)  # the forked one may not have begun yet, and lets go when it does
         handle = lock_file(path)
         unlock_file(handle)
         if how == "fork":

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from lodbench.models.machine.cost import CostModel
+from lodbench.models.scene.motion import Placed
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Clairvoyant, Policy, Truth
 from lodbench.policies.registry import parse_policy
@@ -51,7 +52,7 @@ def walk(policy: Policy, scene: Scene, make_view: Make, budget_ms: float) -> lis
         centers_m = state.centers_m.copy()
         centers_m[2] = -np.abs(centers_m[2]) - 2.0 - 0.2 * frame
         ids = np.flatnonzero(inside).astype(np.int32)
-        now = replace(state, centers_m=centers_m, inside=inside, frame=frame)
+        now = replace(state, centers=Placed.at_rest(centers_m), inside=inside, frame=frame)
         view = View(now, ids, now.camera.to_camera(centers_m[:, ids]))
         if isinstance(policy, Clairvoyant):
             policy.foresee(Truth(COSTS, 1.0))
