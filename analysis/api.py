@@ -128,7 +128,7 @@ def compare(
         prepare_engine(scheduler)
         world, machine = as_scene(scene), as_hardware(hardware)
         options = ReplayOptions(
-            budget_ms=1e3 / machine.display.refresh_hz if budget_ms is None else budget_ms,
+            budget_ms=machine.budget_ms(budget_ms),
             seed=seed,
             frames=frames,
             fovy_deg=fovy_deg,

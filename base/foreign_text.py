@@ -21,17 +21,17 @@ def describe_error(error: BaseException) -> str:
 
 def type_name(value: object) -> str:
     """Return the name of a value's type, in one short line."""
-    return _one_line(_NAME.__get__(type(value)), _LONGEST_VALUE)
+    return one_line(_NAME.__get__(type(value)), _LONGEST_VALUE)
 
 
 def _printed(value: object, longest: int) -> str | None:
     try:
-        return _one_line(str(value), longest)
+        return one_line(str(value), longest)
     except BaseException:  # noqa: BLE001 - users' code may raise KeyboardInterrupt here, or anything
         return None
 
 
-def _one_line(text: str, longest: int) -> str:
+def one_line(text: str, longest: int) -> str:
     """Return the beginning of a text; what moves a terminal's cursor or hides text becomes ``?``.
 
     Methods are those of `str` itself: the text may be of a class that has others.

@@ -9,7 +9,6 @@ from .shared import options
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,
-    frame_budget,
     open_named_scene,
     print_record,
     table_console,
@@ -93,7 +92,7 @@ def compare(
         policies = [parse_policy(text) for text in policy or default_policies()]
         path = load_trace(trace, world, place)
         replay = ReplayOptions(
-            budget_ms=frame_budget(budget_ms, profile),
+            budget_ms=profile.budget_ms(budget_ms),
             seed=seed,
             frames=frames,
             fovy_deg=fovy_deg,

@@ -9,7 +9,7 @@ from typer import Option
 from ..base.errors import InputError
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import frame_budget, open_named_scene
+from .shared.terminal import open_named_scene
 
 Calibrate = Annotated[
     bool,
@@ -76,7 +76,7 @@ def record(
     profile = recorded_hardware(load_hardware(hardware), parse_size(size))
     opened = open_named_scene(scene)
     path = load_trace(trace, opened.scene, place)
-    budget = frame_budget(budget_ms, profile)
+    budget = profile.budget_ms(budget_ms)
     replay = ReplayOptions(budget_ms=budget, seed=seed, frames=frames, fovy_deg=fovy_deg)
     drawing = RecordOptions(
         backend=backend, instancing=instancing, repeats=repeats, threads=threads

@@ -9,7 +9,7 @@ from typer import Argument, Option
 
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import failure_of, frame_budget
+from .shared.terminal import failure_of
 
 Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[
@@ -74,7 +74,7 @@ def stress(
     prepare_engine(scheduler)
     aim = kinds.check_badness(badness)
     spec, world, profile = parse_policy(policy), load_scene(scene), load_hardware(hardware)
-    replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
+    replay = ReplayOptions(budget_ms=profile.budget_ms(budget_ms), seed=seed)
     bounds = search.PathLimits(
         speed_m_s=speed_m_s, turn_deg_s=turn_deg_s, duration_s=duration_s, legs=legs
     )

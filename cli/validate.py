@@ -11,7 +11,6 @@ from .shared import options
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,
-    frame_budget,
     open_named_scene,
     print_record,
     table_console,
@@ -106,7 +105,7 @@ def validate(
     _check_arguments(labels, out, recorded)
     with claimed_validation(out):
         profile = load_hardware(hardware)
-        replay = ReplayOptions(budget_ms=frame_budget(budget_ms, profile), seed=seed)
+        replay = ReplayOptions(budget_ms=profile.budget_ms(budget_ms), seed=seed)
         own_size = profile.display.width_px, profile.display.height_px
         profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
         opened = open_named_scene(scene)

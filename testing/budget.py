@@ -105,9 +105,8 @@ def replay_policy(
     profile = load_hardware(hardware) if isinstance(hardware, str) else hardware
     world = load_scene(scene) if isinstance(scene, str) else scene
     path = load_trace(trace, world) if isinstance(trace, str) else trace
-    refresh_ms = 1e3 / profile.display.refresh_hz
     options = ReplayOptions(
-        budget_ms=refresh_ms if chosen.budget_ms is None else chosen.budget_ms,
+        budget_ms=profile.budget_ms(chosen.budget_ms),
         seed=chosen.seed if seed is None else seed,
         frames=chosen.frames if frames is None else frames,
     )

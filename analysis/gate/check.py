@@ -53,7 +53,7 @@ def measure_plan(
     if not plan.policies:
         raise InputError("policy: expected the policies to check, got none; name one")
     profile = as_hardware(plan.hardware)
-    budget_ms = 1e3 / profile.display.refresh_hz if plan.budget_ms is None else plan.budget_ms
+    budget_ms = profile.budget_ms(plan.budget_ms)
     options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
     specs = specs_of(plan.policies)
     results: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}

@@ -10,14 +10,14 @@ from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
-from ...policies.protocol import why_not_applicable
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import find_metric
 from .engine.limits import Limits
 from .engine.open_engine import open_engine
-from .engine.task import Beat, Inputs, NotApplicableError
+from .engine.task import Beat, Inputs
+from .score import make_fit
 
 Badness = Literal["overshoot", "toggles", "lag"]
 METRIC_OF: dict[Badness, str] = {
@@ -75,10 +75,8 @@ class PathRun:
 
     def __call__(self, inputs: Inputs, beat: Beat) -> float:
         """Replay and measure (see `Task`)."""
-        policy, scene = self.policy.make(), inputs[self.scene]
-        unfit = why_not_applicable(policy.capabilities, scene)
-        if unfit is not None:
-            raise NotApplicableError(unfit)
+        scene = inputs[self.scene]
+        policy = make_fit(self.policy, scene)
         hardware, label = inputs[self.hardware], self.policy.label
         log = replay(policy, scene, self.trace, hardware, self.options, name=label, beat=beat)
         if len(log) <= self.warmup:

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ...base.content_hash import SIZE_BYTES, content_hash
+from ...base.foreign_text import describe_error
 from ...base.portable_pickle import portable_pickle
 from ...policies.policy_spec import PolicySpec
 
@@ -74,8 +75,15 @@ def _source(cls: type) -> str:
         cells = [inspect.getsource(kind) for kind in users if inspect.getmodule(kind) is None]
         return "\n".join([*cells, *_texts(modules)])
     except (TypeError, OSError):
-        # Of what was typed into a prompt nothing is left but the code itself.
+        return _code(cls)
+
+
+def _code(cls: type) -> str:
+    """Return the code itself, which is all that is left of what was typed into a prompt."""
+    try:
         return portable_pickle(cls).hex()
+    except Exception as error:  # whatever the state of a user's class raises
+        raise TypeError(f"no content to hash: {cls.__name__}: {describe_error(error)}") from error
 
 
 def _texts(modules: set[ModuleType]) -> list[str]:

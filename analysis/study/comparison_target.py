@@ -110,5 +110,5 @@ def _list_runs(plan: Plan, limits: "Limits") -> RunList | None:
     names = {digest: value.name for digest, value in plan.inputs.items()}
     try:
         return RunList(plan.runs, names, stop=True, limits=limits)
-    except (TypeError, OSError):
+    except TypeError:
         return None

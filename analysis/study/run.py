@@ -58,7 +58,7 @@ class Run:
     def digest(self) -> str:
         """Content hash of the run: of its inputs, its policy, its options and the code.
 
-        Raises TypeError or OSError as `policy_hash` does.
+        Raises TypeError as `policy_hash` does.
         """
         # One text in place of a walk over the fields: a study may have 100,000 runs.
         named = (

@@ -13,7 +13,7 @@ from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
-from ...policies.protocol import why_not_applicable
+from ...policies.protocol import Policy, why_not_applicable
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
@@ -86,6 +86,19 @@ class Scored:
             raise ValueError("expected as many resamples of every metric")
 
 
+def make_fit(spec: PolicySpec, scene: Scene) -> Policy:
+    """Return a policy that fits a scene.
+
+    Raises `NotApplicableError` if it does not, and `InputError` if its class refuses the
+    parameters.
+    """
+    policy = spec.make()
+    unfit = why_not_applicable(policy.capabilities, scene)
+    if unfit is not None:
+        raise NotApplicableError(unfit)
+    return policy
+
+
 def score(
     world: World,
     spec: PolicySpec,
@@ -106,12 +119,8 @@ def score(
     InputError
         If its class refuses the parameters.
     """
-    policy = spec.make()
-    unfit = why_not_applicable(policy.capabilities, world.scene)
-    if unfit is not None:
-        raise NotApplicableError(unfit)
     log = replay(
-        policy,
+        make_fit(spec, world.scene),
         world.scene,
         world.trace,
         world.hardware,

@@ -205,7 +205,7 @@ class Study:
             raise InputError("study: expected runs, got none but excluded ones; exclude fewer")
         try:
             return RunList(tuple(case.run for case in cases), self._inputs.names, columns)
-        except (TypeError, OSError) as error:
+        except TypeError as error:
             message = f"policy: expected a class with a source, got none: {error}; put it in a file"
             raise InputError(message) from error
 

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from ...base.errors import InputError
 from .scene_output import check_output
-from .terminal import frame_budget
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ...models.scene.scene_catalog import OpenedScene
@@ -39,6 +38,6 @@ def draw_picture(
 
     scene, profile = opened.scene, load_hardware(hardware)
     spec = parse_policy(policy or ("static-screen" if scene.flat else "screen-space-error"))
-    options = ReplayOptions(budget_ms=frame_budget(budget_ms, profile))
+    options = ReplayOptions(budget_ms=profile.budget_ms(budget_ms))
     shot = take_snapshot(spec, scene, load_trace(trace, scene), profile, options, frame)
     write_picture(out, draw_snapshot(shot, opened.read_geometry()))

@@ -10,7 +10,6 @@ from ...base.errors import InputError
 if TYPE_CHECKING:  # numpy and rich are loaded by the command that needs them
     from rich.console import Console
 
-    from ...models.machine.hardware import HardwareProfile
     from ...models.scene.scene_catalog import OpenedScene
 
 
@@ -25,11 +24,6 @@ def open_named_scene(spec: str) -> "OpenedScene":
         return open_scene(spec)
     with console.status(f"opening {spec}; bundled scenes are made the first time"):
         return open_scene(spec)
-
-
-def frame_budget(budget_ms: float | None, profile: "HardwareProfile") -> float:
-    """Return the budget in ms: the one that was asked for, else one refresh of the display."""
-    return 1e3 / profile.display.refresh_hz if budget_ms is None else budget_ms
 
 
 def failure_of(write: Callable[[], object]) -> InputError | OSError | None:

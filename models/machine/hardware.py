@@ -141,6 +141,10 @@ class HardwareProfile:
         size = f"{display.width_px}x{display.height_px}"
         return f"<HardwareProfile {self.name}: {display.mode}, {size}{assumed}>"
 
+    def budget_ms(self, asked: float | None) -> float:
+        """Return the budget of a frame: the one that was asked for, else one refresh."""
+        return 1e3 / self.display.refresh_hz if asked is None else asked
+
     def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
         """Return the GPU's cost model and scatter: the profile's own, or those of one draw.
 

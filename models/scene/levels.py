@@ -95,6 +95,14 @@ class LevelTable:
                 f"{self.error_m[row]:g} m at level {row - int(self.start[owner[row]])}"
             )
 
+    def rows_by_type(self) -> IntArray:
+        """Return the rows of each type's levels, finest first, (K, W).
+
+        W is the most levels that a type has; the last row of one that has fewer is repeated.
+        """
+        columns = np.arange(int(self.level_count.max()))
+        return np.minimum(self.start[:-1, None] + columns, self.start[1:, None] - 1)
+
     def position(self, type_index: IntArray, detail: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return row and fraction of each (type, detail): a value is a lerp of rows i and i + 1.
 

@@ -90,8 +90,7 @@ class LevelChoices:
         width = int(levels.level_count.max())
         lacking = np.arange(width) >= levels.level_count[:, None]
         self._lacking = lacking if lacking.any() else None
-        rows = levels.start[:-1, None] + np.arange(width)
-        self._rows = rows = np.minimum(rows, levels.start[1:, None] - 1)
+        self._rows = rows = levels.rows_by_type()
         self._samples = level_primitives(levels)[rows]
         self._accuracy = accuracy_of(self._samples, exponent)
         self._resolution = levels.resolution[rows]

@@ -26,7 +26,7 @@ class ErrorLadder:
     def __init__(self, scene: Scene) -> None:
         levels = scene.types.levels
         width = np.arange(int(levels.level_count.max()))
-        row = np.minimum(levels.start[:-1, None] + width, levels.start[1:, None] - 1)
+        row = levels.rows_by_type()
         real = width < levels.level_count[:, None]
         self._error_m = np.where(real, levels.error_m[row], np.inf)
         self._levels, self._scale = levels, scene.scale

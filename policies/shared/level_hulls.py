@@ -64,7 +64,7 @@ class LevelHulls:
         levels = scene.types.levels
         self._costs, self._count = costs, levels.level_count
         columns: IntArray = np.arange(int(levels.level_count.max()))
-        row = np.minimum(levels.start[:-1, None] + columns, levels.start[1:, None] - 1)
+        row = levels.rows_by_type()
         lacking = columns >= levels.level_count[:, None]
         cost_ms = np.where(lacking, np.inf, costs.level_ms[row])
         accuracy = accuracy_of(level_primitives(levels)[row], exponent)
@@ -103,7 +103,7 @@ class LevelHulls:
         return Levels(choice.column, detail, rest_ms + choice.cost, same.alternatives)
 
     def _gather(self, view: View) -> Same:
-        kind = view.type_index.astype(np.intp)
+        kind = view.nodes.type_at
         return Same(kind, distinct(kind), int(self._count.take(kind).sum()))
 
 

@@ -54,7 +54,7 @@ class SteadyCosts(ResolutionCosts):
         super().__init__(scene, policy)
         levels = scene.types.levels
         columns = np.arange(int(levels.level_count.max()))
-        row = np.minimum(levels.start[:-1, None] + columns, levels.start[1:, None] - 1)
+        row = levels.rows_by_type()
         coarseness = 1.0 - levels.resolution[row]
         self._key = np.where(columns < levels.level_count[:, None], coarseness, np.inf)
         # Where nothing rises with the resolution less detail saves nothing.
@@ -65,9 +65,8 @@ class SteadyCosts(ResolutionCosts):
         self._known_ms = 0.0
 
     def _gather(self, view: View) -> _Same:
-        levels = self._levels
-        kind = view.type_index.astype(np.intp)
-        first = levels.start.take(kind).astype(np.intp)
+        nodes = view.nodes
+        kind, first = nodes.type_at, nodes.finest_row
         return _Same(
             kind,
             first,
@@ -78,7 +77,7 @@ class SteadyCosts(ResolutionCosts):
             self._least.take(kind),
             np.ones(len(kind)),
             np.ascontiguousarray(self._key.take(kind, axis=0).T),
-            levels.level_count.take(kind).astype(np.float64) - 1.0,
+            nodes.coarsest_level,
         )
 
     def fixed_ms(self, view: View) -> float:

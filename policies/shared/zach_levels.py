@@ -59,12 +59,13 @@ class FlatLevels:
         self._kept = Kept(self._gather)
 
     def _gather(self, view: View) -> _Same:
-        kind = view.type_index.astype(np.intp)
+        nodes = view.nodes
+        kind = nodes.type_at
         return _Same(
             self._cost_ms.take(kind, axis=0),
             self._ratio.take(kind, axis=0),
-            self._scene.importance.take(view.ids),
-            self._scene.types.levels.level_count.take(kind).astype(np.float64) - 1.0,
+            nodes.importance,
+            nodes.coarsest_level,
         )
 
     def coarsest(self, view: View) -> FloatArray:

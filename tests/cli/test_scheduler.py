@@ -92,7 +92,8 @@ def test_a_comparison_is_the_same_bytes_on_a_cluster(
     files = sorted(path.relative_to(here) for path in here.rglob("*") if path.is_file())
     assert files == sorted(path.relative_to(there) for path in there.rglob("*") if path.is_file())
     for file in files:
-        assert (here / file).read_bytes() == (there / file).read_bytes(), file
+        if file.name != "run-info.json":  # times and memory, outside the promise
+            assert (here / file).read_bytes() == (there / file).read_bytes(), file
 
 
 @pytest.mark.slow

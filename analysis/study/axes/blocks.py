@@ -58,8 +58,8 @@ class Block:
             cells = {name: known[i] for (name, _, known), i in zip(axes, at, strict=True)}
             machine = (cells["hardware"], *(values[name] for name in MACHINE))
             if values["budget_ms"] is None:
-                refresh_hz = self.inputs.machines[machine].display.refresh_hz
-                values["budget_ms"] = cells["budget_ms"] = 1e3 / refresh_hz
+                refresh_ms = self.inputs.machines[machine].budget_ms(None)
+                values["budget_ms"] = cells["budget_ms"] = refresh_ms
             chosen = tuple(values[axis] for axis in self.params)
             if chosen not in specs:
                 varied = dict(zip(self.params.values(), chosen, strict=True))

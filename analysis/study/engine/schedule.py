@@ -19,6 +19,8 @@ class Schedule:
         for index, owner in enumerate(owners):
             self._waiting.setdefault(owner, deque()).append(index)
         self._untold = {owner: deque(tasks) for owner, tasks in self._waiting.items()}
+        # Counted, since a study may have as many owners as runs and asks at every turn.
+        self._waiting_count = len(owners)
         self._held: dict[int, Outcome] = {}
         self._left = len(owners)  # tasks that are neither told nor dropped
 
@@ -30,7 +32,7 @@ class Schedule:
     @property
     def waiting(self) -> int:
         """Number of tasks that nobody has taken."""
-        return sum(map(len, self._waiting.values()))
+        return self._waiting_count
 
     def waits(self, owner: str) -> bool:
         """Whether the owner has a task that nobody has taken."""
@@ -46,13 +48,16 @@ class Schedule:
 
     def take(self, owner: str) -> int:
         """Return the owner's next task, which is then somebody's."""
-        return self._waiting[owner].popleft()
+        task = self._waiting[owner].popleft()
+        self._waiting_count -= 1
+        return task
 
     def give_back(self, tasks: Iterable[int]) -> None:
         """Put back tasks that were taken and not begun, if they are still wanted."""
         for task in sorted(tasks, reverse=True):
             if self.wants(task):
                 self._waiting[self._owners[task]].appendleft(task)
+                self._waiting_count += 1
 
     def wants(self, task: int) -> bool:
         """Whether a task has neither an outcome nor been dropped."""
@@ -82,4 +87,6 @@ class Schedule:
         while untold[-1] > index:
             self._held.pop(untold.pop(), None)
             self._left -= 1
-        self._waiting[owner] = deque(task for task in self._waiting[owner] if task < index)
+        waiting = self._waiting[owner]
+        self._waiting[owner] = kept = deque(task for task in waiting if task < index)
+        self._waiting_count -= len(waiting) - len(kept)

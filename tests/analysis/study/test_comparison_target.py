@@ -192,7 +192,7 @@ def test_a_policy_without_content_is_compared_all_the_same(
     """Of a class typed into a prompt no hash is known: nothing is kept, and nothing used again."""
 
     def refuse(_: PolicySpec) -> str:
-        raise OSError("could not get source code")
+        raise TypeError("no content to hash")
 
     monkeypatch.setattr(run, "policy_hash", refuse)
     out = tmp_path / "run"

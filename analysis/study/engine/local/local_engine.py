@@ -9,6 +9,7 @@ from selectors import EVENT_READ, EVENT_WRITE, DefaultSelector
 from typing import Self
 
 from .....base.errors import InputError
+from .....base.foreign_text import one_line
 from .....base.portable_pickle import portable_pickle
 from .....policies.registry import REGISTERED
 from ..limits import Limits, count_processors
@@ -195,9 +196,9 @@ class LocalEngine:
             except Exception:  # noqa: BLE001 - whatever is wrong with it, it is no result
                 failure = Failure("failed", _GARBLED, reply.frame)
         elif reply.kind == "not-applicable":
-            failure = Failure("not-applicable", _one_line(reply.reason))
+            failure = Failure("not-applicable", one_line(reply.reason, _MOST_REASON))
         else:
-            failure = Failure("failed", _one_line(reply.reason), reply.frame)
+            failure = Failure("failed", one_line(reply.reason, _MOST_REASON), reply.frame)
         return Outcome(reply.task, result, failure, reply.took_s, reply.peak_bytes)
 
     def _bury(self, worker: Worker) -> list[Outcome]:
@@ -259,13 +260,6 @@ _FROM_OUTSIDE = (_KILLED, None)
 """How a worker ends that somebody else kills, or its minder; a policy may do the same to it..."""
 _REPEATS = 2
 """...and so its run is repeated, but not for ever."""
-
-
-def _one_line(text: str) -> str:
-    """Return what a worker says in one line of bounded length, without what moves a terminal."""
-    shown = "".join(mark if mark.isprintable() else " " for mark in text[: 2 * _MOST_REASON])
-    line = " ".join(shown.split())
-    return line if len(line) <= _MOST_REASON else f"{line[:_MOST_REASON]}..."
 
 
 def _how_it_ended(status: int | None) -> str:
