@@ -32,10 +32,13 @@ class RunList:
         Whether the runs of an owner behind its first failure count for nothing (see `Engine.run`).
     limits : Limits
         What policies may take, on which it depends which fail.
+    study : str
+        What names the study where its runs alone do not: it asks for more of them as results
+        come.  Empty for the hash of the runs.
     digests : tuple of str
         Of the runs.
     digest : str
-        Of the study: of its runs and of all that is said beside them.
+        Of the study: `study`, or of its runs and of all that is said beside them.
     """
 
     runs: tuple[Run, ...]
@@ -43,6 +46,7 @@ class RunList:
     axes: Axes = field(default_factory=dict[str, Sequence[AxisValue]])
     stop: bool = False
     limits: Limits = DEFAULT_LIMITS
+    study: str = ""
     digests: tuple[str, ...] = field(init=False)
     digest: str = field(init=False)
 
@@ -58,7 +62,7 @@ class RunList:
         object.__setattr__(self, "digests", digests)
         axes = {name: list(values) for name, values in self.axes.items()}
         known = content_hash(SCHEMA, list(digests), dict(self.names), axes, self.stop, self.limits)
-        object.__setattr__(self, "digest", known)
+        object.__setattr__(self, "digest", self.study or known)
 
     def __len__(self) -> int:
         """Return the number of runs."""

@@ -60,7 +60,9 @@ class ResultStore:
         """
         found = recover(folder, runs, replaces=replaces)
         at = {digest: at for at, digest in enumerate(runs.digests)}
-        failed = {at[digest]: value for digest, value in found.failed.items()}
+        # A study that asks for runs in rounds has rows of other rounds here.
+        known = {digest: value for digest, value in found.failed.items() if digest in at}
+        failed = {at[digest]: value for digest, value in known.items()}
         return cls(folder, runs, found.manifest, failed)
 
     def __enter__(self) -> Self:
@@ -93,6 +95,11 @@ class ResultStore:
         """The number of results on the disk."""
         return self._earlier + self._commit.done
 
+    @property
+    def rows(self) -> int:
+        """The number of rows on the disk, those of a study's other rounds too."""
+        return sum(part.rows for part in self._manifest.parts)
+
     def add(self, at: int, outcome: Outcome) -> None:
         """Keep what became of the run at a position of the study, and its frame log.
 
@@ -111,6 +118,8 @@ class ResultStore:
         at = {digest: at for at, digest in enumerate(self._runs.digests)}
         for part in self._manifest.parts:
             for digest, result in decode(read_part(self._folder, part)):
+                if digest not in at:
+                    continue
                 run = self._runs.runs[at[digest]]
                 if isinstance(result, Scored) and run.keeps_log:
                     yield at[digest], replace(result, log=read_log(self._folder, digest))

@@ -29,54 +29,63 @@ def work_path(target: Path) -> Path:
 class WorkFolder:
     """Keeps the results of a study as they come, as long as the disk takes them.
 
+    The study may ask for its runs in rounds, each of which depends on the results before::
+
+        for runs in rounds:
+            earlier = work.begin(runs)
+            for at, outcome in missing_of(runs, earlier):
+                work.add(at, outcome)
+
     What cannot be written is no reason to stop: the study goes on without.
     The caller holds the target (`locked`).
 
     Attributes
     ----------
-    runs : RunList
-        The study.
-    results : dict of int to Scored or Failure
-        What an earlier start of the same study has left, by position.
-    missing : list of int
-        Positions of the runs that are yet to be carried out.
+    study : str
+        Names the study: every round's `RunList` has it.
     watch : Stopwatch
     """
 
-    def __init__(self, target: Path, runs: RunList) -> None:
-        self.runs = runs
-        self.results: dict[int, Scored | Failure] = {}
-        self.missing = list(range(len(runs)))
+    def __init__(self, target: Path, study: str) -> None:
+        self.study = study
         self._path = work_path(target)
+        self._runs: RunList | None = None
         self._store: ResultStore | None = None
-        try:
-            self._store = ResultStore.open(self._path, runs, replaces=True)
-            self.results = dict(self._store.results())
-            self.missing = self._store.missing
-        except (InputError, OSError):
-            self._store = None
+        self._writable = True
         self._kept = 0
-        self.watch = Stopwatch(self._path, runs.digest)
+        self.watch = Stopwatch(self._path, study)
 
     @property
     def durable(self) -> int:
         """The number of results that no end of the process can take back."""
-        return self._kept if self._store is None else self._store.durable
+        return self._kept if self._store is None else self._store.rows
+
+    def begin(self, runs: RunList) -> "dict[int, Scored | Failure]":
+        """Be ready for the runs of a round; return what earlier starts left of them, by position.
+
+        Raises ValueError if they are of another study.
+        """
+        if runs.digest != self.study:
+            raise ValueError(f"expected runs of the study {self.study}, got {runs.digest}")
+        self._close_store()
+        self._runs = runs
+        if not self._writable:
+            return {}
+        try:
+            self._store = ResultStore.open(self._path, runs, replaces=True)
+            return dict(self._store.results())
+        except (InputError, OSError):
+            self._give_up()
+            return {}
 
     def add(self, at: int, outcome: Outcome) -> None:
-        """Keep what became of the run at a position of the study."""
-        self.watch.add(self.runs.runs[at].owner, outcome)
+        """Keep what became of the run at a position of the round."""
+        if self._runs is None:
+            raise ValueError("expected a round that has begun")
+        self.watch.add(self._runs.runs[at].owner, outcome)
         if self._store is not None:
             try:
                 self._store.add(at, outcome)
-            except (InputError, OSError):
-                self._give_up()
-
-    def flush(self) -> None:
-        """Return when all that was added is on the disk, as far as it takes it."""
-        if self._store is not None:
-            try:
-                self._store.flush()
             except (InputError, OSError):
                 self._give_up()
 
@@ -85,18 +94,26 @@ class WorkFolder:
 
         A folder without any is removed.
         """
-        if self._store is not None:
-            with suppress(InputError, OSError):
-                self._store.close()
-                self.watch.write(self._path)
-            self._give_up()
+        self._close_store()
+        with suppress(InputError, OSError):
+            self.watch.write(self._path)
         if not any(self._path.glob(f"{PARTS}/*.parquet")):
             shutil.rmtree(self._path, ignore_errors=True)
         return self._kept
 
+    def _close_store(self) -> None:
+        if self._store is not None:
+            try:
+                self._store.close()
+                self._kept = self._store.rows
+            except (InputError, OSError):
+                self._writable = False
+            self._store = None
+
     def _give_up(self) -> None:
         if self._store is not None:
-            self._kept, self._store = self._store.durable, None
+            self._kept = self._store.rows
+        self._store, self._writable = None, False
 
 
 def remove_work(target: Path) -> None:
