@@ -1,11 +1,12 @@
-"""`lodbench compare`: replay policies in one world and score them on the same footing."""
+"""`lodbench compare`: bring policies to one budget, judge them on the same paths, and say which."""
 
 from pathlib import Path
 from typing import Annotated
 
-from typer import Exit, Option
+from typer import Argument, Exit, Option
 
 from .shared import options
+from .shared.command_line import command_of
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,
@@ -14,18 +15,43 @@ from .shared.terminal import (
     table_console,
 )
 
+Folders = Annotated[
+    list[Path] | None,
+    Argument(
+        metavar="[DIR1 DIR2]",
+        help="Two folders that `compare --out` wrote: what changed from the first to the second.",
+    ),
+]
 Policies = Annotated[
     list[str] | None,
-    Option(help=f"{options.POLICY_HELP}; may be repeated. Without it, every registered policy."),
+    Option(
+        help=f"{options.POLICY_HELP}; may be repeated. Without it, every registered policy. One "
+        "named bare is tuned to the budget; with parameters it runs as typed."
+    ),
 ]
 Out = Annotated[
     Path | None,
     Option(
         metavar="DIR",
-        help="Write report.html, comparison.json and frames/POLICY.parquet. "
+        help="Write report.html, comparison.json, runs.parquet and frames/POLICY.parquet. "
         "Only a folder that compare wrote is replaced. The same command goes on where it was "
         "stopped.",
     ),
+]
+Miss = Annotated[
+    float,
+    Option(help="Share of time for which a policy may exceed the budget and still keep it."),
+]
+Visible = Annotated[float, Option(help="Pixels of error, or of its change, that count as seen.")]
+Margin = Annotated[
+    float, Option(help="Part of the best's value within which another is as good; at least .25 px.")
+]
+AsShipped = Annotated[bool, Option("--as-shipped", help="Tune no policy: run each as it ships.")]
+Quick = Annotated[
+    bool, Option("--quick", help="4 paths of 6 s in place of 10 of 12 s, at less certainty.")
+]
+Seeds = Annotated[
+    int | None, Option(help="Replays of each path under other noise; else 2, or 5 of one path.")
 ]
 Wide = Annotated[bool, Option("--wide", help="Print every metric with its interval.")]
 Display = Annotated[
@@ -42,27 +68,47 @@ MeasurementDelay = Annotated[
 FaultyTimers = Annotated[
     str, Option(help="Faulty timers: missing=SHARE,zero=SHARE,stale=SHARE,saturated_ms=MS.")
 ]
+Memory = Annotated[float | None, Option(metavar="BYTES", help="Bound of the loader's memory.")]
+
+_NO_MATTER = (
+    "folders",
+    "out",
+    "as_json",
+    "wide",
+    "workers",
+    "scheduler",
+    "policy_timeout",
+    "policy_memory",
+)
+"""Parameters that do not change the comparison."""
 
 
 def compare(
+    folders: Folders = None,
     *,
-    scene: options.Scene = "plaza",
-    trace: options.Trace = "tour",
+    scene: options.Scene = "district",
+    trace: options.Traces = None,
+    paths: options.Paths = None,
+    seconds: options.Seconds = None,
+    warmup: options.Warmup = 1.0,
     hardware: options.Hardware = "desktop-assumed",
     policy: Policies = None,
     budget_ms: options.BudgetMs = None,
+    miss: Miss = 0.01,
+    visible: Visible = 1.0,
+    margin: Margin = 0.1,
+    as_shipped: AsShipped = False,
+    quick: Quick = False,
     seed: options.Seed = 0,
-    frames: options.Frames = None,
+    seeds: Seeds = None,
     out: Out = None,
     as_json: options.AsJson = False,
     wide: Wide = False,
-    warmup: options.Warmup = 30,
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
-    draws: options.Draws = 16,
-    resamples: options.Resamples = 200,
+    draws: options.Draws = 8,
     place: options.Place = "shrink",
     display: Display = None,
     refresh_hz: RefreshHz = None,
@@ -71,55 +117,70 @@ def compare(
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
+    memory: Memory = None,
 ) -> None:
-    """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
+    """Compare policies at one budget: who keeps it, at the finest picture with least flicker."""
     from ..analysis.report.terminal_table import print_comparison
-    from ..analysis.study import compare as study
+    from ..analysis.study.compare import CompareSettings
+    from ..analysis.study.compare import compare as compare_policies
     from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import adjust_machine, load_trace
+    from ..analysis.study.inputs import adjust_machine
+    from ..analysis.study.paths import load_paths, path_plan
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import default_policies, parse_policy
     from ..sim.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
+    told = command_of(compare, locals(), _NO_MATTER)
+    if folders:
+        _print_changes(folders, as_json=as_json)
+        return
     limits = make_limits(policy_timeout, policy_memory)
     with claimed_target(out) as target:
         prepare_engine(scheduler)
         profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or default_policies()]
-        path = load_trace(trace, world, place)
+        plan = path_plan(paths, quick=quick)
+        walked = load_paths(
+            trace or ["trial"], world, place, plan=plan, seconds=seconds, seed=seed
+        )
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),
             seed=seed,
-            frames=frames,
+            visible_px=visible,
             fovy_deg=fovy_deg,
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
+            memory_bytes=memory,
         )
-        scoring = study.CompareOptions(
-            warmup=warmup,
-            resamples=resamples,
+        settings = CompareSettings(
+            warmup_s=warmup,
+            miss=miss,
+            margin=margin,
+            as_shipped=as_shipped,
+            seeds=seeds,
             draws=draws,
             workers=workers,
             policy_limits=limits,
             scheduler=scheduler,
+            command=told,
         )
         with progress_bar("replay") as progress:
-            comparison, logs = study.compare(
-                policies, world, path, profile, replay, scoring, progress=progress, target=target
+            compared = compare_policies(
+                policies, world, walked, profile, replay, settings, progress=progress, target=target
             )
-        unwritten = target and failure_of(lambda: target.write(comparison, logs))
+        unwritten = target and failure_of(lambda: target.write(compared))
         if as_json:
-            print_record(comparison)
+            print_record(compared.comparison)
         else:
-            print_comparison(comparison, table_console(160 if wide else 100), wide=wide)
+            print_comparison(compared.comparison, table_console(160 if wide else 100), wide=wide)
         if unwritten:  # while the folder is held, whose runs are then kept
             raise unwritten
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
-    if comparison.failed:
+    if compared.comparison.failed:
         raise Exit(1)

@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..study.comparison import Comparison, PolicyResult, Status
+from ..study.comparison import Comparison, PolicyResult, Status, knob_text
 from .values import format_value
-
-BOUND = ">"
-"""Stands before a value that is a lower bound."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,39 +15,57 @@ class MetricColumn:
     percent: bool = False
 
     def text(self, policy: PolicyResult) -> str:
-        """Return a policy's value, marked where it is a lower bound."""
-        text = format_value(policy.metrics[self.metric].value, percent=self.percent)
-        return BOUND + text if self.metric == "settle_ms" and not settled(policy) else text
+        """Return a policy's value."""
+        return format_value(policy.value_of(self.metric), percent=self.percent)
 
 
 HEADLINE = (
-    MetricColumn("work_ms_p95", "work\np95\nms"),
-    MetricColumn("frame_ms_sd", "frame\nsd\nms"),
-    MetricColumn("over_budget_fraction", "over\nbudget\n%", percent=True),
-    MetricColumn("settle_ms", "settle\n\nms"),
-    MetricColumn("overshoot_ratio", "over-\nshoot\n×"),
-    MetricColumn("lag_ms_mean", "lag\nmean\nms"),
-    MetricColumn("toggles_per_frame", "toggle\n/frame"),
-    MetricColumn("popping_px_per_frame", "pop px\n/frame"),
+    MetricColumn("visible_error_px", "visible\nerror\npx"),
+    MetricColumn("visible_pops_per_s", "visible\npops\n/s"),
+    MetricColumn("work_ms_mean", "work\nmean\nms"),
+    MetricColumn("over_budget_time_fraction", "over\nbudget\n% time", percent=True),
     MetricColumn("sse_px_p95", "error\np95\npx"),
-    MetricColumn("benefit_ratio", "bene-\nfit\n%", percent=True),
+    MetricColumn("lag_ms_mean", "lag\nmean\nms"),
+    MetricColumn("toggles_per_s", "toggles\n\n/s"),
 )
+"""Metrics of the order first, then what explains them."""
 
 
-def settled(policy: PolicyResult) -> bool:
-    """Whether a policy settled after every step, so that its mean is no lower bound."""
-    return all(step.settled for step in policy.steps)
+def rank_text(policy: PolicyResult) -> str:
+    """Return a policy's rank; what misses the budget has none."""
+    if policy.oracle:
+        return "oracle"
+    return "misses" if policy.rank is None else str(policy.rank)
 
 
-def best_labels(comparison: Comparison, metric: str) -> set[str]:
-    """Return the policies with the best value; none where all are equal, and never an oracle."""
-    scores = {policy.label: policy.metrics[metric] for policy in comparison.ok if not policy.oracle}
-    values = {label: item.value for label, item in scores.items() if item.value is not None}
-    if len(set(values.values())) < 2:
-        return set()
-    pick = min if next(iter(scores.values())).better == "lower" else max
-    best = pick(values.values())
-    return {label for label, value in values.items() if value == best}
+def knob_words(policy: PolicyResult) -> str:
+    """Return how a policy's knob was set, and whether for this budget."""
+    if policy.knob is None:
+        return ""
+    return knob_text(policy) + ("" if policy.knob.tuned else " (as given)")
+
+
+def keeps_text(policy: PolicyResult) -> str:
+    """Return the probability of keeping another path, and how many were kept."""
+    keeps = policy.keeps_budget
+    if keeps is None:
+        return ""
+    kept = f"{keeps.kept}/{keeps.paths}"
+    return kept if keeps.probability is None else f"{keeps.probability:.2f} {kept}"
+
+
+def shown_policies(comparison: Comparison) -> tuple[PolicyResult, ...]:
+    """Return the scored policies that have a row: of those that did the same, one."""
+    return tuple(policy for policy in comparison.ok if policy.same_as is None)
+
+
+def folded(comparison: Comparison) -> list[str]:
+    """Return a sentence for each policy that did the same as another."""
+    return [
+        f"{policy.label} did the same as {policy.same_as} in every run"
+        for policy in comparison.ok
+        if policy.same_as is not None
+    ]
 
 
 def unscored(comparison: Comparison) -> list[tuple[Status, str]]:
@@ -73,7 +88,7 @@ def describe_run(comparison: Comparison) -> str:
         hardware += " (assumed)"
     parts = (
         f"{comparison.scene}, {c.nodes:,} nodes",
-        f"{comparison.trace}, {c.trace_s:.1f} s{_frames(comparison)}",
+        describe_paths(comparison),
         hardware,
         f"budget {comparison.budget_ms:.4g} ms",
         c.display if c.display in {"immediate", "vrr"} else f"{c.display} {c.refresh_hz:g} Hz",
@@ -82,8 +97,12 @@ def describe_run(comparison: Comparison) -> str:
     return " · ".join(parts)
 
 
-def _frames(comparison: Comparison) -> str:
-    counts = {policy.frames for policy in comparison.ok}
-    if not counts:
-        return ""
-    return f", {'up to ' if len(counts) > 1 else ''}{max(counts):,} frames"
+def describe_paths(comparison: Comparison) -> str:
+    """Return how many paths there were, and what of each counts."""
+    first = comparison.paths[0]
+    low, high = first.window_s
+    alike = all(path.window_s == first.window_s for path in comparison.paths)
+    window = f"{low:g} to {high:g} s" if alike else "each from its warm-up to its end"
+    if len(comparison.paths) == 1:
+        return f"{first.name}, {window}"
+    return f"{len(comparison.paths)} paths such as {first.name}, {window}"

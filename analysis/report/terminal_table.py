@@ -1,11 +1,21 @@
-"""A comparison as tables for a terminal."""
+"""A comparison as sentences and tables for a terminal: the answer first."""
 
 from typing import TYPE_CHECKING
 
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Comparison, PolicyResult
 from .console_tables import plain_table
-from .summary import BOUND, HEADLINE, MetricColumn, best_labels, describe_run, unscored
+from .summary import (
+    HEADLINE,
+    MetricColumn,
+    describe_run,
+    folded,
+    keeps_text,
+    knob_words,
+    rank_text,
+    shown_policies,
+    unscored,
+)
 from .values import format_value
 
 if TYPE_CHECKING:  # rich is loaded by the command that prints
@@ -13,19 +23,22 @@ if TYPE_CHECKING:  # rich is loaded by the command that prints
 
     from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
-BEST, ON_FRONT = "*", "•"
-_LABEL_WIDTH = 20
-"""Longer labels are folded, unless the terminal has more room than `_NUMBERS_WIDTH` for numbers."""
+_LABEL_WIDTH, _KNOB_WIDTH = 20, 22
+"""Longer texts are folded, unless the terminal has more room than `_NUMBERS_WIDTH` for numbers."""
 _NUMBERS_WIDTH = 80
 _UNIT_WIDTH, _VALUE_WIDTH = 44, 26
 """Of the wide table: what metric and unit take, and each policy."""
 
 
 def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) -> None:
-    """Print the run in one line, its table, and what the marks mean."""
+    """Print the run in one line, the answer, its table, and what the numbers mean."""
     console.print(describe_run(comparison), style="bold")
+    console.print()
+    for sentence in comparison.answer:
+        console.print(sentence, soft_wrap=False, markup=False)
+    for warning in comparison.warnings:
+        console.print(f"warning: {warning}", style="yellow", markup=False)
     if comparison.ok and wide:
         for table in _wide_tables(comparison, console.width):
             console.print("", table)
@@ -33,28 +46,28 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
         for table in _short_tables(comparison, console):
             console.print("", table)
         console.print()
+    for sentence in folded(comparison):
+        console.print(sentence, style="dim", markup=False)
     for status, reason in unscored(comparison):
         style = "bold red" if status == "failed" else "yellow"
-        console.print(reason, style=style, soft_wrap=True)
+        console.print(reason, style=style, soft_wrap=True, markup=False)
     if comparison.ok:
-        console.print(explain_marks(comparison), style="dim")
+        console.print(explain(comparison), style="dim", markup=False)
 
 
-def explain_marks(comparison: Comparison) -> str:
-    """Return what marks and intervals mean, and what is left out."""
-    i = comparison.intervals
-    pooled = f", pooled over {i.draws} draws of the cost model" if i.draws else ""
+def explain(comparison: Comparison) -> str:
+    """Return what ranks, probabilities and intervals mean."""
+    s = comparison.sampling
+    draws = f", {s.draws} draws of the cost model" if s.draws else ""
     return (
-        f"{BEST} best of its column   {ON_FRONT} on the Pareto front of budget, lag, toggles, error"
-        f"   {BOUND} lower bound\n"
-        f"The first {comparison.warmup} frames are warm-up and not counted.\n"
-        f"Intervals (--wide): {i.level:.0%}, blocks of 1/{i.blocks} of the run{pooled}."
+        f"keeps: probability that work time is within the budget for {1.0 - comparison.miss:.0%} "
+        f"of the time on {s.population}, and how many of the judged paths were kept; "
+        f"{s.tuned_on}.\n"
+        "Ranks are of those that keep it with .9 or more, by visible error (beyond "
+        f"{comparison.visible_px:g} px), then visible pops, then work; within the margin of "
+        f"{comparison.margin:.0%} they share the rank.\n"
+        f"Intervals (--wide): {s.level:.0%}, {s.population}; {s.seeds} seeds a path{draws}."
     )
-
-
-def _name(policy: PolicyResult, comparison: Comparison) -> str:
-    mark = ON_FRONT if policy.label in comparison.pareto.front else " "
-    return f"{mark} {policy.label}{' (oracle)' if policy.oracle else ''}"
 
 
 def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table]":
@@ -68,8 +81,9 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
         ]
         widths = (console.measure(table, options=unbounded).maximum for table in tables)
         skip = next((i for i, width in enumerate(widths) if width <= console.width), -1)
-        yield tables[skip]
-        left = left[len(tables[skip].columns) - 1 :]
+        shown = tables[skip]
+        yield shown
+        left = left[len(shown.columns) - 4 :]
 
 
 def _short_table(
@@ -78,50 +92,54 @@ def _short_table(
     from rich.text import Text
 
     table = plain_table()
+    table.add_column("rank", no_wrap=True)
     table.add_column("policy", overflow="fold", max_width=label_width)
+    table.add_column("knob", overflow="fold", max_width=_KNOB_WIDTH)
+    table.add_column("keeps", no_wrap=True, justify="right")
     for column in columns:
         table.add_column(column.header, justify="right", no_wrap=True)
-    best = [best_labels(comparison, column.metric) for column in columns]
-    for policy in comparison.ok:
-        cells = (
-            _marked(column.text(policy), best=policy.label in labels)
-            for column, labels in zip(columns, best, strict=True)
-        )
-        table.add_row(Text(_name(policy, comparison)), *cells)
+    before: str | None = None
+    for policy in shown_policies(comparison):
+        rank = rank_text(policy)
+        if before is not None and rank != before:
+            table.add_section()
+        before = rank
+        style = "bold green" if rank == "1" else ""
+        cells = (column.text(policy) for column in columns)
+        names = (rank, Text(policy.label), Text(knob_words(policy)), keeps_text(policy))
+        table.add_row(*names, *cells, style=style)
     return table
 
 
 def _wide_tables(comparison: Comparison, width: int) -> "list[Table]":
     """Return every metric with its interval, as many policies beside each other as fit."""
     fit = max(1, (width - _UNIT_WIDTH) // _VALUE_WIDTH)
-    ok = comparison.ok
-    return [_wide_table(comparison, ok[i : i + fit]) for i in range(0, len(ok), fit)]
+    shown = shown_policies(comparison)
+    return [_wide_table(shown[i : i + fit]) for i in range(0, len(shown), fit)]
 
 
-def _wide_table(comparison: Comparison, policies: tuple[PolicyResult, ...]) -> "Table":
+def _wide_table(policies: tuple[PolicyResult, ...]) -> "Table":
+    from rich.text import Text
+
     table = plain_table()
     table.add_column("metric", no_wrap=True)
     table.add_column("unit", no_wrap=True)
     for policy in policies:
-        table.add_column(_name(policy, comparison), overflow="fold", justify="right")
+        table.add_column(Text(policy.label), overflow="fold", justify="right")
     group = METRICS[0].group
     for metric in METRICS:
         if metric.group != group:
             table.add_section()
             group = metric.group
-        best = best_labels(comparison, metric.id)
-        cells: list[Text] = []
-        for policy in policies:
-            score = policy.metrics[metric.id]
-            span = f"[{format_value(score.low)}, {format_value(score.high)}]"
-            after = "" if score.low is None else f" {span:>16}"
-            cells.append(_marked(format_value(score.value), after, best=policy.label in best))
-        table.add_row(metric.id, metric.unit, *cells)
+        table.add_row(metric.id, metric.unit, *(_interval(policy, metric.id) for policy in policies))
     return table
 
 
-def _marked(value: str, after: str = "", *, best: bool) -> "Text":
-    """Return a value with its mark, and room for one where it has none, so that digits align."""
-    from rich.text import Text
-
-    return Text(f"{value}{BEST if best else ' '}{after}", "bold green" if best else "")
+def _interval(policy: PolicyResult, metric: str) -> str:
+    """Return a value with its interval: over such paths, else of this path."""
+    score = policy.metrics[metric]
+    span = score.such_paths or score.this_path
+    if span is None:
+        return format_value(score.value)
+    text = f"({format_value(span[0])}, {format_value(span[1])})"
+    return f"{format_value(score.value)} {text:>16}{'' if score.enough else '?'}"

@@ -1,24 +1,32 @@
 """The result of a comparison: records whose fields are the keys of ``comparison.json``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from ...base.files.strict_json import read_json
 from ...base.html_table import html_table
 from ..metrics.metric import Better
 from ..metrics.metric_registry import METRICS
 from ..metrics.steps import Step
+from ..metrics.worst_moment import Moment
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SCHEMA = "lodbench.compare/1"
+SCHEMA = "lodbench.compare/2"
 
-SHOWN = ("work_ms_p95", "over_budget_fraction", "lag_ms_mean", "toggles_per_frame", "sse_px_p95")
-"""Metrics that stand for stability, lag, flicker and quality in a notebook."""
+SHOWN = (
+    "work_ms_p99",
+    "visible_error_px",
+    "visible_pops_per_s",
+    "lag_ms_mean",
+    "work_ms_mean",
+)
+"""Metrics by which policies are told apart: what a notebook shows of each."""
 
 Status = Literal["ok", "failed", "not-applicable"]
+Span: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,16 +36,73 @@ class Score:
     Attributes
     ----------
     value : float or None
-        None where the run cannot have the metric.
-    low, high : float or None
-        5th and 95th percentile of the bootstrap; None where it has nothing to say.
+        Mean over paths, each the mean over its seeds; of extremes the worst of all.  None where no
+        run has the metric.
+    this_path, such_paths, with_machine : (low, high) or None
+        90 % intervals of that mean: of these very paths under other noise, of paths of this kind,
+        and of such paths on machines that the cost model was fitted to.  None where the runs
+        cannot tell: extremes have none.
+    enough : bool
+        Whether the runs are enough for `such_paths` to cover what it says.
+    needed : int or None
+        How many paths would be.
     """
 
     value: float | None
-    low: float | None
-    high: float | None
+    this_path: Span | None
+    such_paths: Span | None
+    with_machine: Span | None
+    enough: bool
+    needed: int | None
     unit: str
     better: Better
+
+
+@dataclass(frozen=True, slots=True)
+class KnobSetting:
+    """The parameter that trades picture for time, as it was set.
+
+    Attributes
+    ----------
+    name : str
+    value : float or str
+    tuned : bool
+        Whether it was brought to the budget; else it is as shipped or as typed.
+    monotone : bool
+        Whether the time grew with the knob in all replays.
+    folds : tuple of float
+        The value at which each path was judged, tuned on the others.
+    """
+
+    name: str
+    value: float | str
+    tuned: bool
+    monotone: bool = True
+    folds: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Keeps:
+    """Whether a policy keeps the budget: its work time at the quantile 1 − miss is within it.
+
+    Attributes
+    ----------
+    probability : float or None
+        That it keeps another path of the kind; None where one path says nothing of others.
+    kept, paths : int
+        Of the judged paths, how many it kept; each was judged at a knob tuned on others.
+    low, high : float
+        90 % exact bound (Clopper-Pearson) of the share of paths kept.
+    work_ms : float
+        Geometric mean over paths of the work time at that quantile.
+    """
+
+    probability: float | None
+    kept: int
+    paths: int
+    low: float
+    high: float
+    work_ms: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +113,35 @@ class PolicyResult:
     ----------
     label : str
         What the user wrote, which tells policies of one name apart.
+    params : dict
+        Those that differ from their defaults, the knob's value among them.
     reason : str or None
         Why it failed or does not apply.
-    frames : int
-        Frames replayed, warm-up included.
+    rank : int or None
+        From 1 among those that keep the budget; None of the others and of oracles.
+    leader : str or None
+        The policy from which those of its rank could not be told apart.
+    same_as : str or None
+        The policy that did the same in every run.
     metrics : dict of str to Score
         By metric id; empty unless the status is ok.
     steps : tuple of Step
-        Answers to the steps in visible load, after the warm-up.
+        Answers to the steps in visible load on the first path.
     """
 
     name: str
     label: str
     params: dict[str, object]
+    knob: KnobSetting | None
     status: Status
     reason: str | None
     oracle: bool
-    frames: int
-    metrics: dict[str, Score]
+    keeps_budget: Keeps | None = None
+    rank: int | None = None
+    leader: str | None = None
+    same_as: str | None = None
+    metrics: dict[str, Score] = field(default_factory=dict[str, Score])
+    worst: Moment | None = None
     steps: tuple[Step, ...] = ()
 
     def value_of(self, metric: str) -> float | None:
@@ -75,8 +151,8 @@ class PolicyResult:
 
 
 @dataclass(frozen=True, slots=True)
-class ReplayConditions:
-    """Under which conditions the replays ran, beside scene, trace and hardware."""
+class Conditions:
+    """Under which conditions the replays ran, beside scene, paths and hardware."""
 
     display: str
     refresh_hz: float
@@ -86,51 +162,146 @@ class ReplayConditions:
     fovy_deg: float
     crossfade_ms: float
     measurement_delay: int
-    trace_s: float
     nodes: int
     hardware_source: str
     hardware_assumed: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Intervals:
+class PathInfo:
+    """A path: its name, and the seconds of it that count."""
+
+    name: str
+    window_s: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
     """How intervals and probabilities were made.
 
     Attributes
     ----------
     level : float
-        Share of resamples between low and high.
-    resamples : int
-        Resamples of blocks of frames, over all draws.
-    blocks : int
-        Blocks of a resample; each is this part of the run.
+        Of intervals.
+    seeds : int
+        Replays of each path under other noise.
     draws : int
-        Posterior draws of the cost model that were replayed; 0 if the profile has none.
+        Posterior draws of the cost model; 0 if the profile has none.
+    population : str
+        What probabilities are about.
+    tuned_on : str
+        What knobs were tuned on.
     """
 
     level: float
-    resamples: int
-    blocks: int
+    seeds: int
     draws: int
+    population: str
+    tuned_on: str
 
 
 @dataclass(frozen=True, slots=True)
-class ParetoFront:
-    """Policies that no other beats in every group at once.
+class Curve:
+    """What a policy gives for what as its knob turns: means over the paths.
 
     Attributes
     ----------
-    metrics : tuple of str
-        The metric that stands for each group.
-    front : tuple of str
-        Labels of the policies on it; oracles take no part.
-    probability : dict of str to float
-        Share of resamples in which a policy is on it.
+    knob : tuple of float
+        From coarse to fine.
+    work_ms : tuple of float
+        Geometric mean over paths of the work time at the quantile 1 − miss.
+    visible_error_px, pops_per_s, lag_ms : tuple of float
+        Of `visible_error_px`, `visible_pops_per_s` and `lag_ms_mean`.
+    work_span, visible_error_span : tuple of (low, high)
+        Intervals over such paths; empty for a single path.
+    area_pct : float or None
+        Mean per cent by which its picture error at equal work is above that of the first of the
+        ranking, over the work that both reach; None where they reach none in common.
     """
 
-    metrics: tuple[str, ...]
-    front: tuple[str, ...]
-    probability: dict[str, float]
+    knob: tuple[float, ...]
+    work_ms: tuple[float, ...]
+    visible_error_px: tuple[float, ...]
+    pops_per_s: tuple[float, ...]
+    lag_ms: tuple[float, ...]
+    work_span: tuple[Span, ...] = ()
+    visible_error_span: tuple[Span, ...] = ()
+    area_pct: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Chances:
+    """How sure an order is, by label of each policy that keeps the budget.
+
+    Attributes
+    ----------
+    best : dict of str to float
+        Probability of being the best in the mean over such paths.
+    near_best : dict of str to float
+        Probability of being within the margin of the best.
+    regret : dict of str to float
+        Expected distance from the best, in the metric's unit.
+    """
+
+    best: dict[str, float]
+    near_best: dict[str, float]
+    regret: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class LeastMiss:
+    """Who comes nearest to the budget where nobody keeps it, and by what factor it is exceeded."""
+
+    label: str
+    ratio: float
+
+
+@dataclass(frozen=True, slots=True)
+class Elsewhere:
+    """Who ranks first at another budget, read off the curves.
+
+    Attributes
+    ----------
+    refresh_hz, budget_ms : float
+    first : tuple of str
+        Labels that share the first rank, the leader first; empty where no curve reaches it.
+    misses : tuple of str
+        Labels whose curve does not reach that budget.
+    """
+
+    refresh_hz: float
+    budget_ms: float
+    first: tuple[str, ...]
+    misses: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Robustness:
+    """Over what the first rank stands, read off the curves.
+
+    Attributes
+    ----------
+    leader : str
+        Leader of the first rank among the policies that have a curve.
+    speed : (low, high)
+        Range of the machine's speed, as a factor within 0.5 to 2, over which it stays first.
+    budgets : tuple of Elsewhere
+        At 30, 60, 90 and 120 Hz.
+    """
+
+    leader: str
+    speed: Span
+    budgets: tuple[Elsewhere, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """What made the result: command, version, and content hashes of what went in."""
+
+    command: str
+    version: str
+    code: str
+    hashes: dict[str, str]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -139,66 +310,82 @@ class Comparison:
 
     Attributes
     ----------
-    frames : int
-        Most frames that a policy's replay had.
-    warmup : int
-        Frames at the start of each replay that no metric counts.
-    beats : dict
-        By metric and then by label: the probability of being better than each other policy, in the
-        order of `policies` with status ok; a tie counts half, and None stands for oneself and where
-        either has no value.
+    miss : float
+        Share of time for which a policy may exceed the budget and still keep it.
+    visible_px : float
+        Error, and change of error, that counts as seen.
+    margin : float
+        Part of the best's value within which others are as good.
+    warnings : tuple of str
+        Why this comparison may not tell policies apart.
+    answer : tuple of str
+        Three sentences.
+    policies : tuple of PolicyResult
+        In the order of the answer: by rank, then those that miss by how much, oracles, the rest.
+    chances : dict of str to Chances
+        By metric of the order, and of ``order`` itself; empty for a single path.
+    curves : dict of str to Curve
+        By label, of the policies that were tuned.
     """
 
     scene: str
-    trace: str
+    paths: tuple[PathInfo, ...]
     hardware: str
     budget_ms: float
+    miss: float
+    visible_px: float
+    margin: float
     seed: int
-    frames: int
-    warmup: int
-    conditions: ReplayConditions
-    intervals: Intervals
+    conditions: Conditions
+    sampling: Sampling
+    warnings: tuple[str, ...]
+    answer: tuple[str, ...]
     policies: tuple[PolicyResult, ...]
-    pareto: ParetoFront
-    beats: dict[str, dict[str, tuple[float | None, ...]]]
-    schema: Literal["lodbench.compare/1"] = SCHEMA
+    chances: dict[str, Chances]
+    least_miss: LeastMiss | None
+    curves: dict[str, Curve]
+    robustness: Robustness | None
+    provenance: Provenance
+    schema: Literal["lodbench.compare/2"] = SCHEMA
 
     def __repr__(self) -> str:
-        outcomes = ", ".join(f"{policy.label} {policy.status}" for policy in self.policies)
-        return (
-            f"<Comparison in {self.scene} on {self.trace}, {self.hardware}, "
-            f"{self.budget_ms:.4g} ms: {outcomes}>"
-        )
+        return f"<Comparison in {self.scene}, {self.budget_ms:.4g} ms: {self.answer[0]}>"
 
     def to_table(self) -> "pa.Table":
-        """Return one row a policy: its fate, then each metric with the ends of its interval.
+        """Return one row a policy: its fate, then each metric with its interval over such paths.
 
-        Columns are ``policy``, ``status``, ``reason``, ``oracle``, ``frames``, and of each metric
-        ``ID``, ``ID_low`` and ``ID_high``, null where there is no value.
+        Columns are ``policy``, ``rank``, ``status``, ``reason``, ``oracle``, ``knob``,
+        ``p_keeps``, and of each metric ``ID``, ``ID_low`` and ``ID_high``, null where there is no
+        value.
         """
         import pyarrow as pa
 
         columns: dict[str, pa.Array[Any]] = {
             "policy": pa.array([policy.label for policy in self.policies], pa.string()),
+            "rank": pa.array([policy.rank for policy in self.policies], pa.int64()),
             "status": pa.array([policy.status for policy in self.policies], pa.string()),
             "reason": pa.array([policy.reason for policy in self.policies], pa.string()),
             "oracle": pa.array([policy.oracle for policy in self.policies], pa.bool_()),
-            "frames": pa.array([policy.frames for policy in self.policies], pa.int64()),
+            "knob": pa.array([knob_text(policy) or None for policy in self.policies], pa.string()),
+            "p_keeps": pa.array([_p_keeps(policy) for policy in self.policies], pa.float64()),
         }
         for metric in METRICS:
             scores = [policy.metrics.get(metric.id) for policy in self.policies]
-            for suffix, part in (("", "value"), ("_low", "low"), ("_high", "high")):
-                values = [None if score is None else getattr(score, part) for score in scores]
-                columns[metric.id + suffix] = pa.array(values, pa.float64())
+            values = [None if score is None else score.value for score in scores]
+            spans = [None if score is None else score.such_paths for score in scores]
+            columns[metric.id] = pa.array(values, pa.float64())
+            for end, name in enumerate(("low", "high")):
+                ends = [None if span is None else span[end] for span in spans]
+                columns[f"{metric.id}_{name}"] = pa.array(ends, pa.float64())
         return pa.table(columns)
 
     def _repr_html_(self) -> str:
         rows = [
-            (policy.label, policy.reason or policy.status, *map(policy.value_of, SHOWN))
+            (policy.label, policy.rank, policy.reason or knob_text(policy))
+            + tuple(map(policy.value_of, SHOWN))
             for policy in self.policies
         ]
-        caption = f"{self.scene}, {self.trace}, {self.hardware}, {self.budget_ms:.4g} ms"
-        return html_table(caption, ("policy", "status", *SHOWN), rows)
+        return html_table(self.answer[0], ("policy", "rank", "", *SHOWN), rows)
 
     @property
     def ok(self) -> tuple[PolicyResult, ...]:
@@ -209,6 +396,19 @@ class Comparison:
     def failed(self) -> tuple[PolicyResult, ...]:
         """Policies that broke their contract."""
         return tuple(policy for policy in self.policies if policy.status == "failed")
+
+
+def knob_text(policy: PolicyResult) -> str:
+    """Return a policy's knob as a command line sets it, empty if it has none."""
+    knob = policy.knob
+    if knob is None:
+        return ""
+    value = f"{knob.value:g}" if isinstance(knob.value, float) else knob.value
+    return f"{knob.name}={value}"
+
+
+def _p_keeps(policy: PolicyResult) -> float | None:
+    return None if policy.keeps_budget is None else policy.keeps_budget.probability
 
 
 def read_comparison(path: Path) -> Comparison:

@@ -14,16 +14,42 @@ from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
 from .comparison import Comparison, read_comparison
+from .results.run_table import read_runs, write_runs
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
     from .results.run_info import Stopwatch
 
 _REPORT, _COMPARISON, _FRAMES, _STUDY = "report.html", "comparison.json", "frames", "study.json"
+_RUNS = "runs.parquet"
 _INFO = "run-info.json"
 _STUDY_SCHEMA = "lodbench.comparison-folder/1"
 
-OURS = r"report\.html|comparison\.json|study\.json|run-info\.json|frames(/.*\.parquet)?"
+OURS = (
+    r"report\.html|comparison\.json|runs\.parquet|study\.json|run-info\.json"
+    r"|frames(/.*\.parquet)?"
+)
 """The names in such a folder."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """A comparison and what it was made from.
+
+    Attributes
+    ----------
+    comparison : Comparison
+    logs : dict of str to FrameLog
+        Of every scored policy on the first path, by label.
+    runs : pa.Table
+        A row for each replay, see `results.record`; its columns ``path`` and ``knob`` say where it
+        stands, ``judged`` whether the policy is judged by it.
+    """
+
+    comparison: Comparison
+    logs: dict[str, FrameLog]
+    runs: "pa.Table"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +90,12 @@ def frame_log_names(labels: list[str]) -> dict[str, str]:
 
 def write_results(
     folder: Path,
-    comparison: Comparison,
-    logs: dict[str, FrameLog],
+    compared: Compared,
     *,
     study: str | None = None,
     watch: "Stopwatch | None" = None,
 ) -> None:
-    """Write report, comparison and frame logs to a temporary folder, then put it in place.
+    """Write report, comparison, runs and frame logs to a temporary folder, then put it in place.
 
     Parameters
     ----------
@@ -88,10 +113,12 @@ def write_results(
     folder.parent.mkdir(parents=True, exist_ok=True)
     with whole_folder(folder) as partial:
         (partial / _FRAMES).mkdir()
-        for label, name in frame_log_names(list(logs)).items():
-            write_frame_log(partial / _FRAMES / name, logs[label])
-        (partial / _COMPARISON).write_bytes(encode_record(comparison))
-        (partial / _REPORT).write_text(render_report(comparison, logs), encoding="utf-8")
+        for label, name in frame_log_names(list(compared.logs)).items():
+            write_frame_log(partial / _FRAMES / name, compared.logs[label])
+        (partial / _COMPARISON).write_bytes(encode_record(compared.comparison))
+        write_runs(partial / _RUNS, compared.runs)
+        page = render_report(compared.comparison, compared.logs)
+        (partial / _REPORT).write_text(page, encoding="utf-8")
         if study is not None:
             (partial / _STUDY).write_bytes(encode_record(Study(study, _hash_files(partial))))
         if watch is not None:
@@ -118,7 +145,7 @@ def _hash_files(folder: Path) -> dict[str, str]:
     }
 
 
-def read_results(folder: Path) -> tuple[Comparison, dict[str, FrameLog]]:
+def read_results(folder: Path) -> Compared:
     """Read what `write_results` wrote.
 
     Raises `InputError` if a file is missing, broken, or of another run.
@@ -128,16 +155,13 @@ def read_results(folder: Path) -> tuple[Comparison, dict[str, FrameLog]]:
     logs = {label: read_frame_log(folder / _FRAMES / name) for label, name in names.items()}
     for policy in comparison.ok:
         got = logs[policy.label].header
-        if (got.policy, got.seed) != (policy.label, comparison.seed) or (
-            len(logs[policy.label]) != policy.frames
-        ):
+        if (got.policy, got.seed) != (policy.label, comparison.seed):
             raise InputError(
-                f"expected the {policy.frames} frames of {policy.label}, seed {comparison.seed}, "
-                f"got {len(logs[policy.label])} of {got.policy}, seed {got.seed}; "
-                "run `lodbench compare` again",
+                f"expected frames of {policy.label}, seed {comparison.seed}, got frames of "
+                f"{got.policy}, seed {got.seed}; run `lodbench compare` again",
                 path=folder / _FRAMES / names[policy.label],
             )
-    return comparison, logs
+    return Compared(comparison, logs, read_runs(folder / _RUNS))
 
 
 def rewrite_report(folder: Path) -> Path:
@@ -148,7 +172,7 @@ def rewrite_report(folder: Path) -> Path:
     InputError
         As `read_results`.
     """
-    comparison, logs = read_results(folder)
+    compared = read_results(folder)
     target = folder / _REPORT
-    write_whole(target, render_report(comparison, logs))
+    write_whole(target, render_report(compared.comparison, compared.logs))
     return target

@@ -7,21 +7,10 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-from ...base.content_hash import content_hash
 from ...base.errors import InputError
 from ...base.files.whole_folder import claimed_folder
-from ...sim.frame_log import FrameLog
-from .code_hash import package_hash
-from .comparison import Comparison
-from .comparison_folder import OURS, holds_study, read_results, write_results
-from .results.run_list import RunList
+from .comparison_folder import OURS, Compared, holds_study, read_results, write_results
 from .results.work_folder import WorkFolder, remove_work
-from .runs import Plan
-
-if TYPE_CHECKING:
-    from .engine.limits import Limits
 
 
 @contextmanager
@@ -67,48 +56,40 @@ class ComparisonTarget:
         self._holds = False
         self.work: WorkFolder | None = None
 
-    def begin(self, plan: Plan, limits: "Limits") -> tuple[Comparison, dict[str, FrameLog]] | None:
-        """Return the comparison of these runs if the folder holds it; else be ready to work.
+    def begin(self, study: str | None) -> Compared | None:
+        """Return the comparison if the folder holds it; else be ready to work.
 
         Parameters
         ----------
-        limits
-            On which it depends which policies fail.
+        study
+            Hash of all that it depends on; None where a policy has no content to hash.
         """
-        runs = _list_runs(plan, limits)
-        if runs is None:
+        if study is None:
             return None
-        self._study = content_hash(package_hash(), runs.digest)
-        self._holds = holds_study(self._folder, self._study)
+        self._study = study
+        self._holds = holds_study(self._folder, study)
         if self._holds:
             told = f"{self._folder} holds this comparison: no run is repeated, unless you remove it"
             print(told, file=sys.stderr)
             return read_results(self._folder)
-        self.work = WorkFolder(self._folder, runs)
+        self.work = WorkFolder(self._folder, study)
         return None
 
-    def write(self, comparison: Comparison, logs: dict[str, FrameLog]) -> None:
+    def write(self, compared: Compared) -> None:
         """Put a comparison in place, unless it is there; raises `InputError` if it cannot be."""
         if not self._holds:
             watch = None if self.work is None else self.work.watch
-            write_results(self._folder, comparison, logs, study=self._study, watch=watch)
+            write_results(self._folder, compared, study=self._study, watch=watch)
 
     def stop(self) -> str:
         """Leave the runs that are done to the next start; return in words how many they are."""
         kept = 0 if self.work is None else self.work.close()
-        return f"{kept} of {len(self.work.runs)} runs are kept" if self.work and kept else ""
+        if not kept:
+            return ""
+        return f"{kept:,} runs are kept" if kept > 1 else "1 run is kept"
 
     def finish(self) -> None:
         """Remove what was kept: the comparison is in place."""
         if self.work is not None:
             self.work.close()
         remove_work(self._folder)
-
-
-def _list_runs(plan: Plan, limits: "Limits") -> RunList | None:
-    """Return the study of these runs, None if one has no content to tell it by."""
-    names = {digest: value.name for digest, value in plan.inputs.items()}
-    try:
-        return RunList(plan.runs, names, stop=True, limits=limits)
-    except TypeError:
-        return None

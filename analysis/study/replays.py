@@ -12,7 +12,7 @@ from ...policies.knob import Knob
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import vary_policy
 from ...sim.replay import ReplayOptions
-from .engine.limits import Limits
+from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.task import Engine, Failure
 from .results.run_list import RunList
 from .run import Run
@@ -128,7 +128,7 @@ class Replays:
         self.bench = bench
         self.failures: dict[str, Failure] = {}
         self._engine, self._progress, self._work = engine, progress, work
-        self._limits = limits or Limits()
+        self._limits = limits or DEFAULT_LIMITS
         self._scored: dict[Place, Scored] = {}
         self._asked = 0
 

@@ -33,7 +33,7 @@ def write_part(folder: Path, word: str, number: int, table: pa.Table) -> Part:
 
     Raises `InputError` as `write_whole`.
     """
-    content = _encoded(table)
+    content = encode_rows(table)
     name = f"{word}-{number:05d}.parquet"
     write_whole(folder / PARTS / name, content)
     return Part(name, len(table), hash_bytes(content))
@@ -41,10 +41,10 @@ def write_part(folder: Path, word: str, number: int, table: pa.Table) -> Part:
 
 def size_of(table: pa.Table) -> int:
     """Return the bytes that a part of these rows would have."""
-    return len(_encoded(table))
+    return len(encode_rows(table))
 
 
-def _encoded(table: pa.Table) -> bytes:
+def encode_rows(table: pa.Table) -> bytes:
     """Return rows as the bytes of a Parquet file."""
     sink = pa.BufferOutputStream()
     # Only texts: a dictionary of numbers could make one of all NaN.

@@ -1,0 +1,134 @@
+"""The answer in three sentences, made from the same record as the table.
+
+The first says whom to take, the second how sure that is, the third who cannot keep the budget.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from ..study.comparison import Chances, LeastMiss, PolicyResult, Robustness, knob_text
+
+ORDER = ("visible_error_px", "visible_pops_per_s", "work_ms_mean")
+"""Metrics of the ranking, the first of most weight."""
+
+_NOTHING_PX, _NOTHING_POPS = 0.005, 0.05
+"""Less than tables show: nothing that can be seen."""
+
+
+def answer(
+    policies: Sequence[PolicyResult],
+    budget_ms: float,
+    chances: Mapping[str, Chances],
+    least_miss: LeastMiss | None,
+    robustness: Robustness | None,
+    population: str,
+) -> tuple[str, str, str]:
+    """Return three sentences on policies in the order of the table."""
+    ranked = [policy for policy in policies if policy.rank is not None]
+    budget = f"{budget_ms:.4g} ms"
+    if not ranked:
+        return _nobody(policies, budget, least_miss, population)
+    first = [policy for policy in ranked if policy.rank == 1 and policy.same_as is None]
+    return (
+        _whom(first, budget, population),
+        _how_sure(first, chances, robustness, population),
+        _who_misses(policies, budget),
+    )
+
+
+def sees_nothing(policy: PolicyResult) -> bool:
+    """Whether a policy draws no error and no switch that can be seen."""
+    error, pops = (policy.value_of(metric) or 0.0 for metric in ORDER[:2])
+    return error < _NOTHING_PX and pops < _NOTHING_POPS
+
+
+def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
+    leader = first[0]
+    keeps = leader.keeps_budget
+    assert keeps is not None, "who has a rank keeps the budget"
+    what = (
+        "and nothing of its picture error or switches can be seen, so the budget leaves room"
+        if sees_nothing(leader)
+        else f"at {_number(leader, ORDER[0])} px of visible error and "
+        f"{_number(leader, ORDER[1])} visible pops a second"
+    )
+    kept = f"it kept {keeps.kept} of {keeps.paths} judged" if keeps.paths > 1 else "it kept it"
+    sentence = f"Take {_named(leader)}: it keeps {budget} on {population} ({kept}), {what}"
+    if len(first) == 1:
+        return f"{sentence}."
+    others = _listed([policy.label for policy in first[1:]])
+    return f"{sentence}; {others} could not be told apart from it within the margin."
+
+
+def _how_sure(
+    first: Sequence[PolicyResult],
+    chances: Mapping[str, Chances],
+    robustness: Robustness | None,
+    population: str,
+) -> str:
+    leader = first[0]
+    order = chances.get("order")
+    if order is None or leader.label not in order.best:
+        sure = f"How it does beyond {population} is not known from these paths"
+    else:
+        best, near = order.best[leader.label], order.near_best[leader.label]
+        sure = (
+            f"On another such set of paths it would come first with probability {best:.2f}, and "
+            f"be within the margin of the first with {near:.2f}"
+        )
+    if robustness is None:
+        return f"{sure}."
+    low, high = robustness.speed
+    return (
+        f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
+        "the speed."
+    )
+
+
+def _who_misses(policies: Sequence[PolicyResult], budget: str) -> str:
+    missing = [
+        policy
+        for policy in policies
+        if policy.status == "ok" and policy.rank is None and not policy.oracle
+    ]
+    missing = [policy for policy in missing if policy.same_as is None]
+    if not missing:
+        return "Every policy that was scored keeps the budget."
+    by = [
+        f"{policy.label} ({policy.keeps_budget.work_ms:.3g} ms)"
+        for policy in missing
+        if policy.keeps_budget is not None
+    ]
+    verb = "does" if len(by) == 1 else "do"
+    return f"{_listed(by)} {verb} not surely keep {budget}."
+
+
+def _nobody(
+    policies: Sequence[PolicyResult], budget: str, least_miss: LeastMiss | None, population: str
+) -> tuple[str, str, str]:
+    if least_miss is None:
+        return (
+            "No policy was scored.",
+            "Nothing can be said of how sure that is.",
+            "See the reason of each below.",
+        )
+    nearest = next(policy for policy in policies if policy.label == least_miss.label)
+    ratio = f"{least_miss.ratio:.2f} times it" if least_miss.ratio > 1.0 else "within it on average"
+    return (
+        f"No policy surely keeps {budget} on {population}.",
+        f"Nearest comes {_named(nearest)}, whose work takes {ratio}.",
+        _who_misses(policies, budget),
+    )
+
+
+def _named(policy: PolicyResult) -> str:
+    knob = knob_text(policy)
+    return f"{policy.label} with {knob}" if knob and knob not in policy.label else policy.label
+
+
+def _number(policy: PolicyResult, metric: str) -> str:
+    value = policy.value_of(metric)
+    return "no" if value is None else f"{value:.2f}" if value < 10.0 else f"{value:.0f}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,285 @@
+"""The verdict: who keeps the budget, who of those is better by what can be seen, how surely."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ..study.comparison import (
+    Chances,
+    Curve,
+    Elsewhere,
+    Keeps,
+    LeastMiss,
+    PolicyResult,
+    Robustness,
+)
+from . import curve as curves_of
+from .answer import ORDER, answer
+from .chances import chances, order_chances
+from .criterion import PICTURE_MARGIN_PX, Criterion
+from .folding import fold_identical
+from .judged import Judged
+from .keeping import exact_bound, p_keeps
+from .operating_point import SURE
+from .ranking import RankGroup, ranking
+from .robustness import robustness
+from .scores import LEVEL, score_metrics
+from .warnings import find_warnings
+
+POPS_MARGIN_PER_S = 1.0
+"""Visible switches a second that decide nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """By what a verdict is reached.
+
+    Attributes
+    ----------
+    budget_ms : float
+    margin : float
+        Part of the best's value within which another is as good.
+    population : str
+        What probabilities are about, in words that follow "on".
+    paths : tuple of str
+        Names of the judged paths.
+    seed : int
+        Of the draws behind probabilities.
+    """
+
+    budget_ms: float
+    margin: float
+    population: str
+    paths: tuple[str, ...]
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What a comparison says; fields as those of `Comparison`."""
+
+    policies: tuple[PolicyResult, ...]
+    chances: dict[str, Chances]
+    least_miss: LeastMiss | None
+    curves: dict[str, Curve]
+    robustness: Robustness | None
+    warnings: tuple[str, ...]
+    answer: tuple[str, str, str]
+
+
+def reach_verdict(
+    judged: Sequence[Judged],
+    unscored: Sequence[PolicyResult],
+    curves: Mapping[str, curves_of.Curve],
+    terms: Terms,
+) -> Verdict:
+    """Return the verdict on policies.
+
+    Parameters
+    ----------
+    judged
+        Those that were scored.
+    unscored
+        Those that failed or do not apply.
+    curves
+        By label, of those that were tuned.
+    """
+    by_label = {item.label: item for item in judged}
+    keeps = {label: _keeps(item, terms.budget_ms) for label, item in by_label.items()}
+    same = _same(judged)
+    surely = {label for label, item in keeps.items() if _is_sure(item)}
+    rivals = [
+        item for item in judged if item.label in surely - same.keys() and not item.oracle
+    ]
+    criteria = _criteria(rivals, terms.margin)
+    groups = ranking([item.label for item in rivals], criteria) if rivals else ()
+    results = [_result(item, keeps[item.label], same) for item in judged]
+    policies = (*_in_order(results, groups, terms.budget_ms), *unscored)
+    sure = _chances(rivals, criteria, terms.seed)
+    nearest = None if groups else _least_miss(judged, terms.budget_ms)
+    stands = _robustness(curves, terms.budget_ms)
+    contenders = [item for item in judged if not item.oracle]
+    footings = [seeds[0].footing for seeds in judged[0].runs] if judged else []
+    return Verdict(
+        policies=policies,
+        chances=sure,
+        least_miss=nearest,
+        curves=_shown_curves(curves, groups),
+        robustness=stands,
+        warnings=find_warnings(
+            terms.paths[: len(footings)],
+            footings,
+            terms.budget_ms,
+            [item.label in surely for item in contenders],
+        ),
+        answer=answer(policies, terms.budget_ms, sure, nearest, stands, terms.population),
+    )
+
+
+def _keeps(item: Judged, budget_ms: float) -> Keeps:
+    probability = p_keeps(item.point_ms, budget_ms)
+    judged_ms = item.judged_ms
+    kept = int((judged_ms <= budget_ms).sum())
+    low, high = exact_bound(kept, len(judged_ms), LEVEL)
+    return Keeps(
+        probability=None if np.isnan(probability) else probability,
+        kept=kept,
+        paths=len(judged_ms),
+        low=low,
+        high=high,
+        work_ms=float(np.exp(np.log(item.point_ms).mean())),
+    )
+
+
+def _is_sure(keeps: Keeps) -> bool:
+    return keeps.kept == keeps.paths if keeps.probability is None else keeps.probability >= SURE
+
+
+def _same(judged: Sequence[Judged]) -> dict[str, str]:
+    """Return for each policy that did the same as another the label that stands for both."""
+    alike = [item for item in judged if not item.oracle]
+    if not alike:
+        return {}
+    ids = list(alike[0].runs[0][0].values)
+    by_shape: dict[tuple[int, ...], list[Judged]] = {}
+    for item in alike:
+        by_shape.setdefault(item.values(ids[0]).shape, []).append(item)
+    found: dict[str, str] = {}
+    for items in by_shape.values():
+        values = np.array([[item.values(name) for name in ids] for item in items])
+        found |= fold_identical([item.label for item in items], values)
+    return found
+
+
+def _criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, ...]:
+    """Return the metrics of the order, on the paths where every rival has all of them."""
+    if not rivals:
+        return ()
+    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
+    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
+    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
+    return tuple(
+        Criterion(name, table[:, known], relative=margin, absolute=least)
+        for name, table, least in zip(ORDER, tables, absolute, strict=True)
+    )
+
+
+def _result(item: Judged, keeps: Keeps, same: Mapping[str, str]) -> PolicyResult:
+    moments = [run.worst for seeds in item.runs for run in seeds]
+    return PolicyResult(
+        name=item.spec.name,
+        label=item.label,
+        params=item.spec.params,
+        knob=item.knob,
+        status="ok",
+        reason=None,
+        oracle=item.oracle,
+        keeps_budget=keeps,
+        same_as=same.get(item.label),
+        metrics=score_metrics(item),
+        worst=max(moments, key=lambda moment: moment.work_ms),
+        steps=item.runs[0][0].steps,
+    )
+
+
+def _in_order(
+    results: Sequence[PolicyResult], groups: Sequence[RankGroup], budget_ms: float
+) -> list[PolicyResult]:
+    """Return results by rank, then by how much they miss, oracles last; twins beside each other."""
+    place = {label: (group, at) for group in groups for at, label in enumerate(group.members)}
+
+    def ranked(result: PolicyResult) -> PolicyResult:
+        stands_for = result.same_as or result.label
+        if stands_for not in place:
+            return result
+        group, _ = place[stands_for]
+        return replace(result, rank=group.rank, leader=group.leader)
+
+    def key(result: PolicyResult) -> tuple[object, ...]:
+        stands_for = result.same_as or result.label
+        twin = result.same_as is not None
+        if stands_for in place:
+            group, at = place[stands_for]
+            return (0, float(group.rank), at, stands_for, twin, result.label)
+        keeps = result.keeps_budget
+        ratio = keeps.work_ms / budget_ms if keeps is not None else np.inf
+        return (2 if result.oracle else 1, ratio, 0, stands_for, twin, result.label)
+
+    return sorted(map(ranked, results), key=key)
+
+
+def _chances(
+    rivals: Sequence[Judged], criteria: Sequence[Criterion], seed: int
+) -> dict[str, Chances]:
+    if len(rivals) < 1 or criteria[0].values.shape[1] < 2:
+        return {}
+    labels = [item.label for item in rivals]
+
+    def named(values: FloatArray) -> dict[str, float]:
+        return dict(zip(labels, values.tolist(), strict=True))
+
+    found: dict[str, Chances] = {}
+    for criterion in criteria:
+        of = chances(criterion, seed=seed)
+        found[criterion.name] = Chances(
+            named(of.p_best), named(of.p_within_margin), named(of.regret)
+        )
+    of = order_chances(criteria, seed=seed)
+    found["order"] = Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
+    return found
+
+
+def _least_miss(judged: Sequence[Judged], budget_ms: float) -> LeastMiss | None:
+    ratios = {
+        item.label: float(np.exp(np.log(item.point_ms / budget_ms).mean()))
+        for item in judged
+        if not item.oracle
+    }
+    label = min(ratios, key=ratios.__getitem__, default=None)
+    return None if label is None else LeastMiss(label, ratios[label])
+
+
+def _robustness(
+    curves: Mapping[str, curves_of.Curve], budget_ms: float
+) -> Robustness | None:
+    if not curves or next(iter(curves.values())).p99_ms.shape[1] < 2:
+        return None
+    found = robustness(curves, budget_ms)
+    if not found.first or found.speed_low is None or found.speed_high is None:
+        return None
+    budgets = tuple(
+        Elsewhere(hz, 1e3 / hz, first, found.misses[hz]) for hz, first in found.at_refresh.items()
+    )
+    return Robustness(found.first[0], (found.speed_low, found.speed_high), budgets)
+
+
+def _shown_curves(
+    curves: Mapping[str, curves_of.Curve], groups: Sequence[RankGroup]
+) -> dict[str, Curve]:
+    first = next((group.leader for group in groups if group.leader in curves), None)
+    reference = None if first is None else curves[first]
+    return {label: _shown_curve(curve, reference) for label, curve in curves.items()}
+
+
+def _shown_curve(curve: curves_of.Curve, reference: curves_of.Curve | None) -> Curve:
+    def means(table: FloatArray) -> tuple[float, ...]:
+        return tuple(table.mean(axis=1).tolist())
+
+    several = curve.p99_ms.shape[1] > 1
+    work, error = (
+        tuple((of.low, of.high) for of in curve.interval(name)) if several else ()
+        for name in ("p99_ms", "error_px")
+    )
+    area = None if reference is None else curves_of.area_between(reference, curve)
+    return Curve(
+        knob=tuple(curve.knob.tolist()),
+        work_ms=tuple(np.exp(np.log(curve.p99_ms).mean(axis=1)).tolist()),
+        visible_error_px=means(curve.error_px),
+        pops_per_s=means(curve.pops_per_s),
+        lag_ms=means(curve.lag_ms),
+        work_span=work,
+        visible_error_span=error,
+        area_pct=area,
+    )
