@@ -67,7 +67,7 @@ def predictive_probability(values: FloatArray) -> FloatArray:
         return np.full_like(mean, np.nan)
     sd = values.std(axis=-1, ddof=1)
     spread = np.ptp(values, axis=-1) > 0
-    t = -mean / np.where(spread, sd * np.sqrt(1 + 1 / n), 1.0)
+    t: FloatArray = -mean / np.where(spread, sd * np.sqrt(1 + 1 / n), 1.0)
     # The mean of equal values may differ from them by rounding; one of them does not.
     return np.where(spread, stdtr(n - 1, t), np.where(values[..., 0] <= 0, 1.0, 0.0))
 

@@ -65,7 +65,7 @@ def operating_point(values: FloatArray, p99_ms: FloatArray, budget_ms: float) ->
     ln_ratio = np.log(p99_ms / budget_ms)
     mean = ln_ratio.mean(axis=1)
     probability = predictive_probability(ln_ratio)
-    sure = _sure(ln_ratio)
+    sure = keeps_surely(ln_ratio)
     index = int(np.flatnonzero(sure)[-1]) if sure.any() else int(mean.argmin())
     return OperatingPoint(
         index=index,
@@ -103,7 +103,7 @@ def next_knob(
     narrow = np.log1p(_NARROW) if scale == "log" else _NARROW * np.ptp(values)
     waiting: Counter[int] = Counter()
     for paths in training:
-        sure = np.flatnonzero(_sure(ln_ratio[:, paths]))
+        sure = np.flatnonzero(keeps_surely(ln_ratio[:, paths]))
         if len(sure) and sure[-1] + 1 < len(at):
             i = int(sure[-1])
             if abs(at[i + 1] - at[i]) > narrow:
@@ -115,8 +115,8 @@ def next_knob(
     return float(np.exp(middle)) if scale == "log" else middle
 
 
-def _sure(ln_ratio: FloatArray) -> NDArray[np.bool_]:
-    """Return which knobs, (K,), keep the budget, from ln of p99 over budget, (K, n)."""
+def keeps_surely(ln_ratio: FloatArray) -> NDArray[np.bool_]:
+    """Return which knobs, (K,), surely keep the budget, from ln of p99 over budget, (K, n)."""
     if ln_ratio.shape[1] == 1:
         return ln_ratio[:, 0] <= 0
     return predictive_probability(ln_ratio) >= SURE

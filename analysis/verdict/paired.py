@@ -7,6 +7,7 @@ hand the negatives.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -141,7 +142,8 @@ def _p(beyond: FloatArray) -> float:
         return float("nan")
     if not _spread(beyond):
         return 0.0 if beyond[0] > 0 else 1.0
-    t = beyond.mean() / (beyond.std(ddof=1) / np.sqrt(len(beyond)))
+    error = float(beyond.std(ddof=1)) / sqrt(len(beyond))
+    t = float(beyond.mean()) / error
     return float(stdtr(len(beyond) - 1, -t))
 
 
