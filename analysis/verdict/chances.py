@@ -1,0 +1,100 @@
+"""How probable it is that a policy is the best, and what choosing it would cost.
+
+The joint posterior of P means, given n paths that all policies share, is a multivariate t whose
+scatter is that of the paths: policies that rise and fall together stay together, so that small
+paired differences are told from large common ones.  A draw is the means plus the centred data
+times normal weights, which never needs the P × P covariance.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+from .criterion import Criterion, beyond_margin
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chances:
+    """Of each of P policies.
+
+    Attributes
+    ----------
+    p_best : (P,) float64
+        Probability of the best mean over such paths; identical policies share it, so it adds to 1.
+    p_within_margin : (P,) float64
+        Probability of a mean within the margin of the best.
+    regret : (P,) float64
+        Expected amount by which its mean is worse than the best, in the metric's unit.
+    """
+
+    p_best: FloatArray
+    p_within_margin: FloatArray
+    regret: FloatArray
+
+
+def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
+    """Return each policy's chances in one metric; nan from one path.
+
+    Source: Geisser and Cornfield, Journal of the Royal Statistical Society B 25 (1963), for the
+    posterior; Chick and Inoue, Operations Research 49 (2001), for expected regret.
+    """
+    policies, n = criterion.values.shape
+    if n < 2:
+        nothing = np.full(policies, np.nan)
+        return Chances(nothing, nothing, nothing)
+    sampled = _posterior([criterion], draws, seed)[0]
+    best = sampled.min(axis=1, keepdims=True)
+    within = beyond_margin(sampled, best, criterion) <= 0
+    return Chances(
+        p_best=_shared(sampled == best),
+        p_within_margin=within.mean(axis=0),
+        regret=(sampled - best).mean(axis=0),
+    )
+
+
+def p_best_in_order(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0) -> FloatArray:
+    """Return each policy's probability, (P,), of being the best in the order of the criteria.
+
+    In a draw, who is within the margin of the best in the first criterion is judged by the next,
+    and who is left by the last criterion's best mean.  nan from one path.
+    """
+    policies, n = criteria[0].values.shape
+    if n < 2:
+        return np.full(policies, np.nan, dtype=np.float64)
+    sampled = _posterior(criteria, draws, seed)
+    left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
+    for criterion, means in zip(criteria, sampled, strict=True):
+        best = np.where(left, means, np.inf).min(axis=1, keepdims=True)
+        if criterion is criteria[-1]:
+            left &= means == best
+        else:
+            left &= beyond_margin(means, best, criterion) <= 0
+    return _shared(left)
+
+
+def _posterior(criteria: Sequence[Criterion], draws: int, seed: int) -> list[FloatArray]:
+    """Return draws of the P means in each criterion, (R, P), turned so that less is better.
+
+    All criteria take the same weights, so that they stay together too.
+    """
+    n = criteria[0].values.shape[1]
+    rng = np.random.default_rng(seed)
+    weights = rng.standard_normal((draws, n))
+    weights -= weights.mean(axis=1, keepdims=True)  # a constant adds nothing, but rounding
+    weights /= np.sqrt(n * rng.chisquare(n - 1, (draws, 1)))
+    sampled: list[FloatArray] = []
+    for criterion in criteria:
+        values = criterion.turned()
+        assert values.shape == criteria[0].values.shape
+        # Identical policies are sampled once: a matrix product may round equal rows differently.
+        rows, of_row = np.unique(values, axis=0, return_inverse=True)
+        means = rows.mean(axis=1) + weights @ (rows - rows.mean(axis=1, keepdims=True)).T
+        sampled.append(means[:, of_row.reshape(-1)])
+    return sampled
+
+
+def _shared(best: BoolArray) -> FloatArray:
+    """Return how often each policy is best, (P,), where those of a draw, (R, P), share it."""
+    return (best / best.sum(axis=1, keepdims=True)).mean(axis=0)

@@ -1,0 +1,122 @@
+"""The finest value of a policy's knob at which it surely keeps the budget.
+
+Policies are compared where each spends the same budget in the same way, and not where somebody
+left their defaults.  Replays per knob and path are made once: rows are knobs from coarse to fine,
+columns are paths, and each training set takes its columns.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import FloatArray
+from .keeping import predictive_probability
+
+Scale = Literal["log", "linear"]
+
+SURE = 0.9
+"""Probability of keeping another path from which a knob counts as keeping the budget."""
+
+_DIP = 0.02  # fall of ln p99 towards finer that counts: less is noise of the replays
+_NARROW = 0.05  # of a bracket: a ratio less 1, or a share of the range
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoint:
+    """A knob's value, and what it was chosen for.
+
+    Attributes
+    ----------
+    index : int
+        Of the value among the knobs that were replayed.
+    value : float
+    probability : float
+        That another path of the kind is kept; nan if it was chosen on one path.
+    keeps : bool
+        False where no knob keeps the budget: then this is the one that misses it least.
+    monotone : bool
+        Whether finer always took longer.
+    """
+
+    index: int
+    value: float
+    probability: float
+    keeps: bool
+    monotone: bool
+
+
+def operating_point(values: FloatArray, p99_ms: FloatArray, budget_ms: float) -> OperatingPoint:
+    """Return the finest knob that keeps the budget with probability `SURE`, or the least miss.
+
+    All knobs are looked at, so that a finer one that keeps is found beyond a coarser that does not.
+    On a single path, which shows no spread, a knob keeps if that path is kept.
+
+    Parameters
+    ----------
+    values : (K,) float64
+        Of the knob, from coarse to fine.
+    p99_ms : (K, n) float64
+        Positive; on the n training paths.
+    """
+    ln_ratio = np.log(p99_ms / budget_ms)
+    mean = ln_ratio.mean(axis=1)
+    probability = predictive_probability(ln_ratio)
+    sure = keeps_surely(ln_ratio)
+    index = int(np.flatnonzero(sure)[-1]) if sure.any() else int(mean.argmin())
+    return OperatingPoint(
+        index=index,
+        value=float(values[index]),
+        probability=float(probability[index]),
+        keeps=bool(sure.any()),
+        monotone=bool((np.diff(mean) >= -_DIP).all()),
+    )
+
+
+def next_knob(
+    values: FloatArray,
+    p99_ms: FloatArray,
+    budget_ms: float,
+    scale: Scale,
+    training: Sequence[NDArray[np.int64]],
+) -> float | None:
+    """Return the knob's value to replay next on all paths, or None where all is known well enough.
+
+    It halves, on the knob's scale, the bracket between the finest knob that keeps the budget and
+    its next finer: the bracket that most training sets wait for, and of these the coarsest.  A
+    bracket within 5 % (of its value on a log scale, of the range on a linear one) is narrow enough.
+
+    Parameters
+    ----------
+    values : (K,) float64
+        Of the knob, from coarse to fine, its ends included; positive on a log scale.
+    p99_ms : (K, n) float64
+        On all n paths.
+    training : sequence of (t,) int64
+        The training sets: indices of paths.
+    """
+    ln_ratio = np.log(p99_ms / budget_ms)
+    at = np.log(values) if scale == "log" else values
+    narrow = np.log1p(_NARROW) if scale == "log" else _NARROW * np.ptp(values)
+    waiting: Counter[int] = Counter()
+    for paths in training:
+        sure = np.flatnonzero(keeps_surely(ln_ratio[:, paths]))
+        if len(sure) and sure[-1] + 1 < len(at):
+            i = int(sure[-1])
+            if abs(at[i + 1] - at[i]) > narrow:
+                waiting[i] += 1
+    if not waiting:
+        return None
+    i = max(waiting, key=lambda index: (waiting[index], -index))
+    middle = float((at[i] + at[i + 1]) / 2)
+    return float(np.exp(middle)) if scale == "log" else middle
+
+
+def keeps_surely(ln_ratio: FloatArray) -> NDArray[np.bool_]:
+    """Return which knobs, (K,), surely keep the budget, from ln of p99 over budget, (K, n)."""
+    if ln_ratio.shape[1] == 1:
+        return ln_ratio[:, 0] <= 0
+    return predictive_probability(ln_ratio) >= SURE

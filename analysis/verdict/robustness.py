@@ -1,0 +1,146 @@
+"""How far the first rank stands: at other speeds of the machine and other refresh rates.
+
+Nothing is replayed: a machine of speed f does the work of the curve in 1/f of the time, so that
+its operating point is the one for f times the budget.  That is exact for costs which all scale
+alike, and for policies that decide by the picture; for controllers it takes their aim as the
+scene's own scale.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from .criterion import PICTURE_MARGIN_PX, Criterion
+from .curve import Curve
+from .operating_point import keeps_surely
+from .ranking import ranking
+
+REFRESH_HZ = (30.0, 60.0, 90.0, 120.0)
+SLOWEST, FASTEST = 0.5, 2.0
+_STEPS = 12  # of speed, to either end
+_BETWEEN = 16  # points between two values of a knob that were replayed
+
+
+@dataclass(frozen=True, slots=True)
+class Robustness:
+    """Over which conditions the first rank stands.
+
+    Attributes
+    ----------
+    first : tuple of str
+        The policies of the first rank at the budget, the leader first; empty if nobody keeps it.
+    speed_low, speed_high : float or None
+        The stretch of machine speed about 1 over which that leader stays in the first rank, within
+        0.5 to 2; None if nobody keeps the budget.
+    at_refresh : mapping of float to tuple of str
+        The policies of the first rank, the leader first, when a refresh at so many Hz is the
+        budget; empty if nobody keeps it.
+    misses : mapping of float to tuple of str
+        By Hz, who does not reach that budget with the coarsest value of its knob.
+    """
+
+    first: tuple[str, ...]
+    speed_low: float | None
+    speed_high: float | None
+    at_refresh: Mapping[float, tuple[str, ...]]
+    misses: Mapping[float, tuple[str, ...]]
+
+
+def robustness(
+    curves: Mapping[str, Curve], budget_ms: float, absolute_px: float = PICTURE_MARGIN_PX
+) -> Robustness:
+    """Return over which speeds and refresh rates the first rank at the budget stands.
+
+    Parameters
+    ----------
+    curves : mapping of label to Curve
+        Of the policies, all on the same n paths.
+    absolute_px : float
+        Margin of the visible error.
+    """
+    fine = {label: _Fine.of(curve) for label, curve in curves.items()}
+    points = {label: of.at(budget_ms) for label, of in fine.items()}
+    first = _first(points, absolute_px)
+    refresh = {hz: {label: of.at(1e3 / hz) for label, of in fine.items()} for hz in REFRESH_HZ}
+    low = high = None
+    if first:
+
+        def stands(speed: float) -> bool:
+            there = {label: of.at(budget_ms * speed) for label, of in fine.items()}
+            return first[0] in _first(there, absolute_px)
+
+        steps = np.arange(1, _STEPS + 1) / _STEPS
+        low = _furthest(SLOWEST**steps, stands)
+        high = _furthest(FASTEST**steps, stands)
+    return Robustness(
+        first=first,
+        speed_low=low,
+        speed_high=high,
+        at_refresh={hz: _first(there, absolute_px) for hz, there in refresh.items()},
+        misses={
+            hz: tuple(label for label, point in there.items() if point is None)
+            for hz, there in refresh.items()
+        },
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fine:
+    """A curve with points between the knob's values, interpolated path by path along the knob.
+
+    Attributes
+    ----------
+    ln_p99 : (F, n) float64
+    seen : (3, F, n) float64
+        Visible error, visible pops, mean work.
+    """
+
+    ln_p99: FloatArray
+    seen: FloatArray
+
+    @classmethod
+    def of(cls, curve: Curve) -> "_Fine":
+        """Return the curve with `_BETWEEN` points for each that it has."""
+        k = len(curve.knob)
+        at = np.linspace(0, k - 1, _BETWEEN * (k - 1) + 1)
+        left = np.minimum(at.astype(np.int64), max(k - 2, 0))
+        right, part = np.minimum(left + 1, k - 1), (at - left)[:, None]
+
+        def between(table: FloatArray) -> FloatArray:
+            return table[left] * (1 - part) + table[right] * part
+
+        seen = [between(of) for of in (curve.error_px, curve.pops_per_s, curve.work_ms)]
+        return cls(between(np.log(curve.p99_ms)), np.array(seen))
+
+    def at(self, budget_ms: float) -> FloatArray | None:
+        """Return what is seen at the finest point that keeps the budget, (3, n), if any does."""
+        beyond = self.ln_p99 - np.log(budget_ms)
+        kept = np.flatnonzero(keeps_surely(beyond))
+        return self.seen[:, kept[-1]] if len(kept) else None
+
+
+def _first(points: Mapping[str, FloatArray | None], absolute_px: float) -> tuple[str, ...]:
+    """Return the policies of the first rank among those that keep the budget, leader first."""
+    kept = {label: point for label, point in points.items() if point is not None}
+    if not kept:
+        return ()
+    seen = np.stack(list(kept.values()), axis=1)
+    error, pops, work = seen
+    order = (
+        Criterion("visible_error_px", error, absolute=absolute_px),
+        Criterion("visible_pops_per_s", pops),
+        Criterion("work_ms_mean", work),
+    )
+    return ranking(list(kept), order)[0].members
+
+
+def _furthest(speeds: FloatArray, stands: Callable[[float], bool]) -> float:
+    """Return the last of the speeds, from 1 away, up to which it stands at each."""
+    reached = 1.0
+    for speed in speeds.tolist():
+        if not stands(speed):
+            break
+        reached = speed
+    return reached
