@@ -6,10 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
 from ..shared.hierarchy import Hierarchy
+from ..shared.knobs import TARGET
 from ..shared.ranges import AtLeastOne, Finite, NotNegative, Share, check_parameters
 from ..shared.reports import Reports, steer
 from ..view import View
@@ -45,6 +47,7 @@ class ClusterCut:
     rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    knob: ClassVar[Knob] = TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
