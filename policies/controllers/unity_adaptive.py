@@ -60,7 +60,7 @@ class UnityAdaptive:
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     # The steps are fixed shares of the heights at which levels change: these say where it stands.
-    knob: ClassVar[Knob] = Knob("first", 0.005, 12.5, finer="lower")
+    knob: ClassVar[Knob] = Knob("first", 0.005, 50.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the top of the ladder."""

@@ -61,7 +61,7 @@ class UnrealDynamic:
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     # The headroom only matters where the fraction that it asks for lies within the fraction's two
     # ends, a factor of two; the thresholds of the levels that it scales have no such ends.
-    knob: ClassVar[Knob] = Knob("first", 0.005, 12.5, finer="lower")
+    knob: ClassVar[Knob] = Knob("first", 0.005, 50.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the largest fraction."""

@@ -2,8 +2,14 @@
 
 from ..knob import Knob
 
-AIM = Knob("aim", 0.05, 1.2)
-"""Of a policy that spends a predicted time: the share of the budget that it may take."""
+# Linear: what a frame costs before its first object does not shrink with the share, so that all
+# shares below that draw the same.
 
-TARGET = Knob("target", 0.05, 1.0)
+AIM = Knob("aim", 0.1, 1.5, scale="linear")
+"""Of a policy that spends a predicted time: the share of the budget that it may take.
+
+To the end of what is allowed: where bounds are in the way, some leave a third unspent.
+"""
+
+TARGET = Knob("target", 0.1, 1.0, scale="linear")
 """Of a policy that steers by measured times: the share of the budget that it aims at."""

@@ -86,7 +86,7 @@ class StaticScreen:
     hysteresis: NotNegative = 0.01  # ours; 0 is Unity's behaviour
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
-    knob: ClassVar[Knob] = Knob("bias", 0.02, 50.0)
+    knob: ClassVar[Knob] = Knob("bias", 0.005, 50.0)
 
     @property
     def claims(self) -> Claims:
