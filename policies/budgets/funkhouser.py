@@ -7,11 +7,13 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import make_choices, require_costs
+from ..shared.knobs import AIM
 from ..shared.level_hulls import LevelHulls, make_level_hulls
-from ..shared.ranges import BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
+from ..shared.ranges import Aim, BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
 from ..shared.v_time import VTime
 from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
 from ..solvers.value_greedy import greedy_by_value, improve_incrementally
@@ -58,8 +60,10 @@ class Funkhouser:
     hysteresis: NotNegative = 1e-4  # ours: of the order of accuracy steps between levels
     max_steps: Count = 64  # ours: exchanges of the incremental form a frame
     adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    knob: ClassVar[Knob] = AIM
 
     @property
     def claims(self) -> Claims:
@@ -69,7 +73,8 @@ class Funkhouser:
         """
         if self.adapt:
             return Claims()
-        return Claims(budget=True, settles_frames=None if self.mode == "incremental" else 8)
+        settles_frames = None if self.mode == "incremental" else 8
+        return Claims(budget=self.aim <= 1.0, settles_frames=settles_frames)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and tabulate the scene's levels."""
@@ -83,7 +88,7 @@ class Funkhouser:
             lasts = np.arange(-1, width if self.hysteresis else 0, dtype=np.int32)
             factor = self._hold(np.ones((len(lasts), width)), lasts)
             self._hulls = make_level_hulls(scene, costs, self.exponent, factor)
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._v_time = VTime(self.adapt)
         self._column = np.full(len(scene), -1, dtype=np.int32)
 

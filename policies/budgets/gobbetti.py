@@ -7,10 +7,12 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.kept import Kept
-from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
@@ -62,7 +64,7 @@ class Gobbetti:
 
     Parameters: `m`, `weight` (w: area, or area per triangle), `velocity` and `eccentricity`
     (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
-    `adapt` (rate at which predictions follow measured times).
+    `adapt` (rate at which predictions follow measured times), `aim`.
 
     Cost per frame: O(n) a pass; an active set that changes little needs few passes, a first frame
     or a cut up to n.
@@ -79,8 +81,10 @@ class Gobbetti:
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
     max_iterations: PositiveInt = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's limit is lost
     adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = AIM
 
     @property
     def claims(self) -> Claims:
@@ -91,13 +95,13 @@ class Gobbetti:
         if self.adapt:
             return Claims()
         exact = self.engine == "newton"
-        return Claims(budget=True, monotone=exact, settles_frames=1 if exact else None)
+        return Claims(budget=self.aim <= 1.0, monotone=exact, settles_frames=1 if exact else None)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "gobbetti")
         self._costs = make_resolution_costs(scene, "gobbetti")
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._v_time = VTime(self.adapt)
         self._last = np.zeros(len(scene))
         self._kept = Kept(self._importance)

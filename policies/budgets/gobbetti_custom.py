@@ -10,9 +10,11 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.ranges import PositiveInt, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, PositiveInt, check_parameters
 from ..shared.steady_costs import make_resolution_costs
 from ..solvers.convex_program import ConvexProgram, Point
 from ..view import View
@@ -52,7 +54,7 @@ class GobbettiCustom:
     own last resolutions.
 
     Parameters: `degradation`, `cost` (by default the scene's cost model), `max_iterations` (of
-    ipopt).
+    ipopt), `aim`.
 
     Cost per frame: some ten iterations of an interior-point method, a hundred times `gobbetti`.
 
@@ -64,20 +66,22 @@ class GobbettiCustom:
     degradation: str = "importance * area / triangles / r"  # as gobbetti with m = 1
     cost: str | None = None  # None: the scene's cost model
     max_iterations: PositiveInt = 200  # ours: ten times what smooth formulas take
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
     failures: int = field(init=False, repr=False, compare=False, default=0)
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = AIM
 
     @property
     def claims(self) -> Claims:
-        """What holds with these formulas."""
-        return Claims(budget=self.cost is None)
+        """What holds with these formulas and this aim."""
+        return Claims(budget=self.cost is None and self.aim <= 1.0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, parse the formulas, and forget the last frame."""
         check_parameters(self, "gobbetti-custom")
         self._costs = make_resolution_costs(scene, "gobbetti-custom")
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._program = self._build(_FEWEST_PLACES)
         self._last = np.zeros((2, len(scene)))
         self._budget_multiplier = 0.0

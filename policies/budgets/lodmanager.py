@@ -10,9 +10,11 @@ from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..frame_times import Completed
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.kept import Kept
+from ..shared.knobs import TARGET
 from ..shared.level_pools import SharedLevels
 from ..shared.ranges import (
     AtLeastOne,
@@ -104,6 +106,7 @@ class LodManager:
     far_m: float | None = None  # None: 50 % of the scene's extent
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start with empty slots and an exponent of 1."""

@@ -5,10 +5,12 @@ from typing import Annotated, ClassVar, Literal
 
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.kept import Kept
-from ..shared.ranges import Interval, NotNegative, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, Interval, NotNegative, check_parameters
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..solvers.allocation import solve
@@ -29,7 +31,7 @@ class Peng:
 
     Uses: the cost model, projected area.
 
-    Parameters: `alpha` (weight of near characters falls with it), `mode`, `threshold_px`.
+    Parameters: `alpha` (weight of near characters falls with it), `mode`, `threshold_px`, `aim`.
 
     Cost per frame: O(n), one pass; some more where bounds are in the way.
 
@@ -40,15 +42,21 @@ class Peng:
     alpha: Annotated[float, Interval("[0.1, 10]")] = 3.0  # the paper's: as Funkhouser's benefit
     mode: Literal["clipped", "water-filled"] = "clipped"  # as printed
     threshold_px: NotNegative = 0.0  # off
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
-    claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
+    knob: ClassVar[Knob] = AIM
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(budget=self.aim <= 1.0, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "peng")
         self._costs = make_resolution_costs(scene, "peng")
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._kept = Kept(self._spread)
 
     def select(self, view: View) -> Selection:

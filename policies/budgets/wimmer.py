@@ -8,10 +8,12 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.kept import Kept
-from ..shared.ranges import Interval, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, Interval, check_parameters
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..solvers.allocation import Shares, solve
@@ -59,7 +61,7 @@ class Wimmer:
 
     Uses: the cost model, projected area, importance.
 
-    Parameters: `m` (exponent of the error).
+    Parameters: `m` (exponent of the error), `aim`.
 
     Cost per frame: O(n), one pass; some more where the coarsest levels are in the way.
 
@@ -69,15 +71,21 @@ class Wimmer:
     """
 
     m: Annotated[int, Interval("[1, 2]")] = 1  # as in the benefit that the simulator scores
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
-    claims: ClassVar[Claims] = Claims(budget=True, monotone=True, settles_frames=0)
+    knob: ClassVar[Knob] = AIM
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(budget=self.aim <= 1.0, monotone=True, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
         check_parameters(self, "wimmer")
         self._costs = make_resolution_costs(scene, "wimmer")
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._kept = Kept(self._importance)
 
     def select(self, view: View) -> Selection:

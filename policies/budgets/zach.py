@@ -8,10 +8,12 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import require_costs
-from ..shared.ranges import Count, NotNegative, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, Count, NotNegative, check_parameters
 from ..shared.resolution_cost import ResolutionCosts
 from ..shared.steady_costs import make_resolution_costs
 from ..shared.zach_groups import Groups, Plan
@@ -49,7 +51,7 @@ class Zach:
 
     Parameters: `splitting`, `epsilon`, `barrier`, `cull_px`, `engine` (how smooth variables rise:
     along rays that end at the first bound they meet, as printed, or are bent along it, or by the
-    closed form), `max_steps` (increments taken together, or one line search, are one step).
+    closed form), `max_steps` (increments taken together, or one line search, are one step), `aim`.
 
     Cost per frame: O(n log n) for n nodes in view, and O(V) a step for V variables.
 
@@ -64,15 +66,21 @@ class Zach:
     cull_px: NotNegative = 2.0  # ours; the paper prints no value
     engine: Literal["bent", "gradient", "newton"] = "bent"  # ours; "gradient" is the paper's
     max_steps: Count = 256  # ours; some ten; with "gradient" one for each variable that fills up
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
-    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=0)
+    knob: ClassVar[Knob] = AIM
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(budget=self.aim <= 1.0, settles_frames=0)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, and tell smooth leaves from discrete nodes."""
         check_parameters(self, "zach")
         self._costs = costs = ResolutionCosts(scene, "zach")
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         tree = Tree(scene)
         solid = (tree.primitives > 0.0) | tree.leaf
         free = tree.first_in(solid, np.arange(len(scene))) < 0

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
+from ..shared.knobs import TARGET
 from ..shared.ranges import AtLeastOne, NotNegative, Share, check_parameters
 from ..shared.reports import Reports, steer
 from ..thresholds.static_screen import StaticScreen
@@ -44,6 +46,7 @@ class Feedback:
     hysteresis: float = 0.01  # as static-screen
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from a bias of 1."""

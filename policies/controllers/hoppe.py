@@ -6,9 +6,11 @@ from typing import ClassVar
 
 from ...models.scene.benefit import level_primitives
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.error_ladder import ErrorLadder
+from ..shared.knobs import TARGET
 from ..shared.ranges import NotNegative, Positive, Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
@@ -51,6 +53,13 @@ class Hoppe:
     target: Share = 0.9  # as feedback
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+
+    @property
+    def knob(self) -> Knob:
+        """What is regulated: the number of triangles if one is given, else the time."""
+        if self.triangles is not None:
+            return Knob("triangles", 1e3, 1e8)
+        return TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance of the first frame."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.ranges import AtLeastOne, Interval, NotNegative, Positive, check_parameters
@@ -50,6 +51,8 @@ class Pid:
     hysteresis: float = 0.0  # hifi has none
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    # The rate aimed at: hifi has no share of the budget, and its angle goes wherever this leads.
+    knob: ClassVar[Knob] = Knob("offset_hz", 1.0, 1000.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the first angle, without a past."""

@@ -7,8 +7,9 @@ from typing import Annotated, ClassVar
 from ...base.errors import InputError
 from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
+from ..knob import Knob, knob_of
 from ..protocol import Capabilities, Claims, claims_of
-from ..registry import parse_policy
+from ..registry import parse_policy, vary_policy
 from ..selection import Selection
 from ..shared.ranges import Interval, Positive, check_parameters
 from ..view import View
@@ -49,7 +50,7 @@ def _turn_on(before: Quaternion, now: Quaternion, ahead: float) -> Quaternion:
     return x / norm, y / norm, z / norm, w / norm
 
 
-# Without slots, so that an instance can have the capabilities of the policy that it wraps.
+# Without slots: an instance has the capabilities and the knob of the policy that it wraps.
 @dataclass
 class Predictive:
     """Idea: let any policy decide on the pose at which its frame will be seen.
@@ -77,15 +78,24 @@ class Predictive:
     horizon_ms: Annotated[float, Interval("[0, inf)")] | None = None  # None: by frames under way
     max_speed_m_s: Positive = 50.0  # ours: faster is a cut
     max_turn_deg_s: Positive = 720.0  # ours: faster is a cut
+    setting: float | None = None  # of the policy's own knob; None: as the policy has it
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    knob: ClassVar[Knob | None] = None  # an instance has that of its policy, if there is one
 
     def __post_init__(self) -> None:
         name, plus, given = self.policy.partition("+")
-        self._inner = parse_policy(name + plus.replace("+", ":") + given.replace("+", ",")).make()
+        spec = parse_policy(name + plus.replace("+", ":") + given.replace("+", ","))
+        knob = knob_of(spec)
+        if self.setting is not None:
+            if knob is None:
+                raise InputError(f"predictive: expected no setting, as {name} has no knob")
+            spec = vary_policy(spec, {knob.name: self.setting})
+        self._inner = spec.make()
         if self._inner.capabilities.future:
             raise InputError(f"predictive: expected a policy that sees no future, got {name}")
         self.__dict__["capabilities"] = self._inner.capabilities
+        self.__dict__["knob"] = None if knob is None else replace(knob, name="setting")
 
     @property
     def claims(self) -> Claims:

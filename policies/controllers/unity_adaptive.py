@@ -8,6 +8,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.ranges import Count, NotNegative, PositiveInt, Share, check_parameters
@@ -58,6 +59,8 @@ class UnityAdaptive:
     hysteresis: float = 0.0  # Unity's level-of-detail groups have none
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    # The steps are fixed shares of the heights at which levels change: these say where it stands.
+    knob: ClassVar[Knob] = Knob("first", 0.005, 50.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the top of the ladder."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.ranges import BelowOne, NotNegative, PositiveInt, Share, check_parameters
@@ -58,6 +59,9 @@ class UnrealDynamic:
     hysteresis: float = 0.0  # as Unity's; the controller has its own threshold
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    # The headroom only matters where the fraction that it asks for lies within the fraction's two
+    # ends, a factor of two; the thresholds of the levels that it scales have no such ends.
+    knob: ClassVar[Knob] = Knob("first", 0.005, 50.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the largest fraction."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
@@ -45,6 +46,9 @@ class ClusterCut:
     rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
+    # Not the target: with the tolerance where it is nothing finer than a pixel would ever be drawn,
+    # and steering about a low target swings where a higher tolerance rests.
+    knob: ClassVar[Knob] = Knob("tolerance_px", 0.05, 64.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""

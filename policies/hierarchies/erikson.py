@@ -6,10 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
 from ..shared.best_first import refine_best_first
 from ..shared.hierarchy import Hierarchy
+from ..shared.knobs import TARGET
 from ..shared.ranges import Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
@@ -37,6 +39,7 @@ class Erikson:
     target: Share = 0.9  # share of the budget to aim at; Unreal's headroom
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
+    knob: ClassVar[Knob] = TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate the hierarchy and start with no polygons to spend."""

@@ -8,9 +8,11 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...base.predictors import LEVEL_PREDICTORS
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.hierarchy import Hierarchy
+from ..shared.knobs import TARGET
 from ..shared.priority_list import PriorityList
 from ..shared.ranges import AtLeastOne, Fraction, NotNegative, Share, UpToOne, check_parameters
 from ..shared.time_loops import TimeLoops
@@ -71,6 +73,7 @@ class HlodHysteresis:
     lead_s: NotNegative = 0.1  # ours: "slightly adjusted" for the user's velocity
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
+    knob: ClassVar[Knob] = TARGET
     claims: ClassVar[Claims] = Claims(hysteresis=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:

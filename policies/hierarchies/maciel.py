@@ -7,12 +7,14 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.best_first import refine_best_first
 from ..shared.choices import require_costs
 from ..shared.hierarchy import Hierarchy, NodeCosts, gains
-from ..shared.ranges import Count, check_parameters
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, Count, check_parameters
 from ..view import View
 
 
@@ -28,7 +30,7 @@ class Maciel:
 
     Uses: the scene's cost model, projected area and importance of the leaves in view.
 
-    Parameters: `threshold`.
+    Parameters: `threshold`, `aim`.
 
     Cost per frame: O(n) for n nodes in view, and O(log n) for each node refined.
 
@@ -38,20 +40,22 @@ class Maciel:
     """
 
     threshold: Count = 8  # ours: frames; the thesis says only that it is fixed
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
 
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
+    knob: ClassVar[Knob] = AIM
 
     @property
     def claims(self) -> Claims:
-        """What holds with this threshold."""
-        return Claims(budget=True, settles_frames=self.threshold + 2)
+        """What holds with these parameters."""
+        return Claims(budget=self.aim <= 1.0, settles_frames=self.threshold + 2)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate the hierarchy and start from the roots."""
         check_parameters(self, "maciel")
         self._costs = NodeCosts(scene, require_costs(scene, "maciel"))
         self._hierarchy = Hierarchy(scene)
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._refined = np.zeros(len(scene), dtype=np.bool_)
         self._wished = np.zeros(len(scene), dtype=np.int32)
 

@@ -7,10 +7,13 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.choices import require_costs
 from ..shared.hierarchy import Hierarchy, NodeCosts, gains
+from ..shared.knobs import AIM
+from ..shared.ranges import Aim, check_parameters
 from ..solvers.tree_hull import TreeIncrements, next_above, take_part, tree_increments
 from ..view import View
 
@@ -34,7 +37,7 @@ class MasonBlake:
 
     Uses: the scene's cost model, projected area and importance of the leaves in view.
 
-    Parameters: none.
+    Parameters: `aim`.
 
     Cost per frame: O(n log n) for n nodes in view, and a step for each increment that changed.
 
@@ -43,14 +46,22 @@ class MasonBlake:
     text was at hand, so that the algorithm is derived from the hull argument.
     """
 
+    aim: Aim = 1.0  # share of the budget that the predicted time may take
+
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True)
-    claims: ClassVar[Claims] = Claims(budget=True, settles_frames=1)
+    knob: ClassVar[Knob] = AIM
+
+    @property
+    def claims(self) -> Claims:
+        """What holds with these parameters."""
+        return Claims(budget=self.aim <= 1.0, settles_frames=1)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
-        """Tabulate the hierarchy and start from the roots."""
+        """Check parameters, tabulate the hierarchy and start from the roots."""
+        check_parameters(self, "mason-blake")
         self._costs = NodeCosts(scene, require_costs(scene, "mason-blake"))
         self._hierarchy = Hierarchy(scene)
-        self._budget_ms = budget_ms
+        self._budget_ms = self.aim * budget_ms
         self._refined = np.zeros(len(scene), dtype=np.bool_)
 
     def select(self, view: View) -> Selection:

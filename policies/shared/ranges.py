@@ -26,6 +26,8 @@ class Interval:
 Share: TypeAlias = Annotated[float, Interval("(0, 1]")]
 UpToOne: TypeAlias = Annotated[float, Interval("[0, 1]")]
 BelowOne: TypeAlias = Annotated[float, Interval("[0, 1)")]
+Aim: TypeAlias = Annotated[float, Interval("(0, 1.5]")]
+"""Share of the budget that a predicted time may take; above 1 where predictions are too high."""
 Fraction: TypeAlias = Annotated[float, Interval("(0, 1)")]
 Positive: TypeAlias = Annotated[float, Interval("(0, inf]")]
 Finite: TypeAlias = Annotated[float, Interval("(0, inf)")]
@@ -50,13 +52,23 @@ def check_parameters(policy: Any, name: str, *rising: str) -> None:
         if get_origin(hint) is Literal and value not in kinds:
             choices = ", ".join(kinds)
             raise InputError(f"{name}: expected {parameter.name} one of {choices}, got {value}")
-        for kind in (hint, *kinds):
-            for interval in getattr(kind, "__metadata__", ()):
-                if value not in interval:
-                    raise InputError(
-                        f"{name}: expected {parameter.name} in {interval.text}, got {value}"
-                    )
+        interval = _interval(hint)
+        if interval is not None and (value is None or value not in interval):
+            raise InputError(f"{name}: expected {parameter.name} in {interval.text}, got {value}")
     values = [getattr(policy, parameter) for parameter in rising]
     if any(low > high for low, high in pairwise(values)):
         got = ", ".join(f"{value:g}" for value in values)
         raise InputError(f"{name}: expected {' <= '.join(rising)}, got {got}")
+
+
+def range_of(cls: type[Any], parameter: str) -> Interval | None:
+    """Return the range that a class declares for a parameter, or None if it declares none."""
+    return _interval(get_type_hints(cls, include_extras=True).get(parameter))
+
+
+def _interval(hint: Any) -> Interval | None:
+    for kind in (hint, *get_args(hint)):
+        for interval in getattr(kind, "__metadata__", ()):
+            if isinstance(interval, Interval):
+                return interval
+    return None

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection
 from ..shared.error_ladder import ErrorLadder
@@ -35,6 +36,7 @@ class PixelError:
     hysteresis: BelowOne = 0.0  # share of the threshold to coarsen late by; no engine has any
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = Knob("threshold_px", 0.05, 64.0, finer="lower")
 
     @property
     def claims(self) -> Claims:

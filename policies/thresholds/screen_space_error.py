@@ -7,6 +7,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.error_ladder import ErrorLadder
@@ -47,6 +48,7 @@ class ScreenSpaceError:
     capabilities: ClassVar[Capabilities] = Capabilities(
         continuous=True, hierarchy=True, loader=True
     )
+    knob: ClassVar[Knob] = Knob("tolerance_px", 0.05, 64.0, finer="lower")
 
     @property
     def claims(self) -> Claims:

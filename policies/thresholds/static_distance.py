@@ -8,10 +8,11 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
-from ..shared.ranges import BelowOne, check_parameters
+from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
 
 
@@ -40,7 +41,8 @@ class StaticDistance:
 
     Uses: distance to the bounding sphere's centre.
 
-    Parameters: `near_m` (finest level up to here), `far_m` (coarsest from here), `hysteresis`.
+    Parameters: `near_m` (finest level up to here), `far_m` (coarsest from here), `hysteresis`,
+    `scale` (of both distances).
 
     Cost per frame: O(n), one visit an object.
 
@@ -51,8 +53,10 @@ class StaticDistance:
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
     hysteresis: BelowOne = 0.0  # share of a threshold by which to return late; three.js: 0
+    scale: Finite = 1.0  # ours: both distances together, as engines scale them by view distance
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = Knob("scale", 0.02, 50.0)
 
     @property
     def claims(self) -> Claims:
@@ -63,8 +67,8 @@ class StaticDistance:
         """Resolve distances that depend on the scene."""
         check_parameters(self, "static-distance")
         near_m, far_m = distance_range("static-distance", scene, self.near_m, self.far_m)
-        self._near_m = near_m
-        self._per_m = 1.0 / (far_m - near_m)
+        self._near_m = self.scale * near_m
+        self._per_m = 1.0 / (self.scale * (far_m - near_m))
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""

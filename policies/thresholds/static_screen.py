@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...base.arrays import FloatArray
 from ...models.scene.nodes import Nodes
 from ...models.scene.scene import Scene
+from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
@@ -85,6 +86,7 @@ class StaticScreen:
     hysteresis: NotNegative = 0.01  # ours; 0 is Unity's behaviour
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
+    knob: ClassVar[Knob] = Knob("bias", 0.005, 50.0)
 
     @property
     def claims(self) -> Claims:
