@@ -12,13 +12,12 @@ from .results import Results
 from .summary import describe_run
 
 SECTIONS = (
-    "verdicts",
-    "headline",
+    "the_answer",
+    "ranks",
+    "tradeoffs",
     "along_the_trace",
     "slow_frames",
     "load_steps",
-    "tradeoffs",
-    "duels",
     "every_metric",
     "provenance",
 )

@@ -8,8 +8,8 @@ from ...sim.frame_log import FrameLog
 from ..study.comparison import Comparison, PolicyResult
 from .blocks import Block, Cell, Chart, Section
 from .palette import Ink
-from .summary import best_labels
-from .values import format_span, format_value
+from .summary import MetricColumn
+from .values import format_span
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +33,12 @@ class Results:
         """Return a policy's name with its mark."""
         return Cell(policy.label, ink=self.inks[policy.label], tags=tags)
 
-    def value_of(self, policy: PolicyResult, metric: str, *, percent: bool = False) -> Cell:
-        """Return a policy's value with its interval below, green if it is the best."""
-        score = policy.metrics[metric]
-        span = (
-            "" if score.low == score.high else format_span(score.low, score.high, percent=percent)
-        )
-        best = policy.label in best_labels(self.comparison, metric)
-        return Cell(format_value(score.value, percent=percent), span, best=best)
+    def value_of(self, policy: PolicyResult, column: MetricColumn) -> Cell:
+        """Return a policy's value, with its interval over such paths below, or of this path."""
+        score = policy.metrics[column.metric]
+        span = score.such_paths or score.this_path
+        small = "" if span is None else format_span(*span, percent=column.percent)
+        return Cell(column.text(policy), small)
 
 
 _Blocks = Callable[[Results], Sequence[Block]]
@@ -57,7 +55,7 @@ def section(title: str, *, folded: bool = False) -> Callable[[_Blocks], _Build]:
         note = " ".join((blocks.__doc__ or "").split())
 
         def build(results: Results) -> Section:
-            level = f"{results.comparison.intervals.level:.0%}"
+            level = f"{results.comparison.sampling.level:.0%}"
             return Section(title, note.format(level=level), blocks(results), folded)
 
         return build

@@ -1,40 +1,55 @@
-"""Compare policies: replay each in the same world and score all on the same footing."""
+"""Compare policies: bring each to the same budget, judge all on the same paths, reach a verdict."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...base.errors import require_whole
+from ...base.content_hash import content_hash
+from ...base.errors import InputError, require_real, require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.policy_spec import PolicySpec, is_oracle
-from ...sim.frame_log import FrameLog
+from ...policies.knob import Knob, knob_of
+from ...policies.policy_spec import PolicySpec
+from ...policies.registry import require_distinct
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
-from ..metrics.metric_registry import METRICS
-from ..verdict.bootstrap import BLOCKS
-from ..verdict.pareto import find_front
-from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
-from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
+from ...traces.cameras.vary import vary
+from ..metrics.measured_frames import require_window
+from ..verdict.verdict import Terms, reach_verdict
+from .code_hash import package_hash, policy_hash
+from .compare_record import make_comparison, make_sampling
+from .comparison_folder import Compared
 from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.open_engine import open_engine
-from .runs import Progress, Runs, carry_out, choose_draws, plan_runs
-from .score import World
+from .judging import Judging
+from .replays import Bench, Replays
+from .runs import Progress, choose_draws
+from .tuning import Rotation, rotate, tune
 
 if TYPE_CHECKING:
     from .comparison_target import ComparisonTarget
 
+VARIATIONS = 8
+"""Variations of a single path on which knobs are tuned."""
+_SEEDS, _SEEDS_OF_ONE_PATH = 2, 5
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CompareOptions:
-    """How to score.
+class CompareSettings:
+    """How to compare.
 
     Attributes
     ----------
-    warmup : int
-        Frames at the start of each replay that no metric counts.
-    resamples : int
-        Bootstrap resamples, over all draws.
+    warmup_s : float
+        Seconds at the start of each path that no metric counts.
+    miss : float
+        Share of time for which a policy may exceed the budget and still keep it.
+    margin : float
+        Part of the best's value within which another is as good.
+    as_shipped : bool
+        Whether no policy is tuned.
+    seeds : int or None
+        Replays of each path under other noise; None for 2, or 5 of a single path.
     draws : int
         Posterior draws of the cost model to replay, if the profile has them.
     workers : int
@@ -43,32 +58,45 @@ class CompareOptions:
         What a policy may take.
     scheduler : str or None
         Address of a Dask scheduler in place of processes here.
+    command : str
+        What the provenance says of how to get the result again.
     """
 
-    warmup: int = 30
-    resamples: int = 200
-    draws: int = 16
+    warmup_s: float = 1.0
+    miss: float = 0.01
+    margin: float = 0.1
+    as_shipped: bool = False
+    seeds: int | None = None
+    draws: int = 8
     workers: int = 0
     policy_limits: Limits = DEFAULT_LIMITS
     scheduler: str | None = None
+    command: str = ""
 
     def __post_init__(self) -> None:
-        for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
-            require_whole(getattr(self, name), name, low)
+        require_whole(self.draws, "draws", 0)
+        require_whole(self.workers, "workers", 0)
+        if self.seeds is not None:
+            require_whole(self.seeds, "seeds", 1)
+        for name, most in (("miss", 0.5), ("margin", 10.0)):
+            value = getattr(self, name)
+            require_real(value, name)
+            if not 0.0 <= value <= most:
+                raise InputError(f"{name}: expected a share from 0 to {most:g}, got {value}")
 
 
 def compare(
     policies: Sequence[PolicySpec],
     scene: Scene,
-    trace: CameraTrace,
+    paths: Sequence[CameraTrace],
     hardware: HardwareProfile,
     replay_options: ReplayOptions,
-    options: CompareOptions | None = None,
+    settings: CompareSettings | None = None,
     *,
     progress: Progress | None = None,
     target: "ComparisonTarget | None" = None,
-) -> tuple[Comparison, dict[str, FrameLog]]:
-    """Replay and score policies; return the comparison, and each frame log by label.
+) -> Compared:
+    """Tune, replay and judge policies on paths, and return the comparison with its runs.
 
     A policy that breaks its contract is reported as failed, and the others are finished.
 
@@ -78,74 +106,122 @@ def compare(
         Where the comparison is to be written.  Runs are kept beside it as they are done; if it
         holds this very comparison, that is returned.
 
-    Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
-    be warm-up.
+    Raises `InputError` if a policy or path is given twice, parameters are refused, or all of a path
+    would be warm-up.
     """
-    options = options or CompareOptions()
-    world = World(scene, trace, hardware, replay_options, options.warmup)
-    draws = choose_draws(hardware, options.draws)
-    each = -(-options.resamples // max(len(draws), 1))
-    resamples = (0 if draws else each, each)
-    plan = plan_runs(policies, world, [replay_options.seed], draws, resamples)
-    limits = options.policy_limits
-    if target is not None and (earlier := target.begin(plan, limits)) is not None:
+    settings = settings or CompareSettings()
+    require_distinct(policies)
+    require_paths(paths, settings.warmup_s)
+    knobs = {} if settings.as_shipped else find_knobs(policies)
+    bench, rotation = _bench(policies, scene, paths, hardware, replay_options, settings, knobs)
+    study = _study_hash(bench, settings)
+    if target is not None and (earlier := target.begin(study)) is not None:
         return earlier
     engine = open_engine(
-        plan.inputs, workers=options.workers, limits=limits, scheduler=options.scheduler
+        bench.inputs,
+        workers=settings.workers,
+        limits=settings.policy_limits,
+        scheduler=settings.scheduler,
     )
-    runs = carry_out(plan, engine, progress, None if target is None else target.work)
-    pools = {
-        label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
-        for label, run in runs.items()
-        if run.failure is None
+    single = len(paths) == 1
+    seeds = settings.seeds or (_SEEDS_OF_ONE_PATH if single else _SEEDS)
+    first = replay_options.seed
+    draws = choose_draws(hardware, settings.draws)
+    judging = Judging(bench, rotation, tuple(range(first, first + seeds)), tuple(draws))
+    with engine:
+        work = None if target is None else target.work
+        replays = Replays(bench, engine, progress, work, settings.policy_limits)
+        replays.make(judging.as_given())
+        tuned = tune(replays, rotation, replay_options.budget_ms, first)
+        replays.make(judging.places(tuned))
+    sampling = make_sampling(len(paths), seeds, len(draws), knobs, VARIATIONS)
+    verdict = reach_verdict(
+        judging.outcome(replays, tuned),
+        judging.unscored(replays),
+        judging.curves(replays, tuned),
+        Terms(
+            budget_ms=replay_options.budget_ms,
+            margin=settings.margin,
+            population=sampling.population,
+            paths=tuple(path.name for path in paths),
+            seed=first,
+        ),
+    )
+    comparison = make_comparison(
+        verdict,
+        bench,
+        scene,
+        paths,
+        hardware,
+        sampling,
+        margin=settings.margin,
+        command=settings.command,
+    )
+    logs = {
+        place.policy: log
+        for place in replays
+        if place.logged and (log := replays[place].log) is not None
     }
-    results = tuple(_result(spec, runs[spec.label], pools) for spec in policies)
-    scored = [result for result in results if result.status == "ok"]
-    logs = {label: log for label in pools if (log := runs[label].means[0].log) is not None}
-    comparison = Comparison(
-        scene=scene.name,
-        trace=trace.name,
-        hardware=hardware.name,
-        budget_ms=replay_options.budget_ms,
-        seed=replay_options.seed,
-        frames=max(map(len, logs.values()), default=0),
-        warmup=options.warmup,
-        conditions=_conditions(world),
-        intervals=Intervals(LEVEL, each * max(len(draws), 1), BLOCKS, len(draws)),
-        policies=results,
-        pareto=find_front([item for item in scored if not item.oracle], pools),
-        beats=beats(pools),
+    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))))
+
+
+def require_paths(paths: Sequence[CameraTrace], warmup_s: float) -> None:
+    """Raise `InputError` if there is no path, one has another's name, or is all warm-up."""
+    if not paths:
+        raise InputError("trace: expected a path or more, got none; name one")
+    names = [path.name for path in paths]
+    for path in paths:
+        if names.count(path.name) > 1:
+            raise InputError(f"trace: expected each once, got {path.name} twice; name it once")
+        require_window(warmup_s, path.duration_s)
+
+
+def find_knobs(policies: Iterable[PolicySpec]) -> dict[str, Knob]:
+    """Return the knobs of the policies that are to be tuned: those named bare, by label."""
+    found: dict[str, Knob] = {}
+    for spec in policies:
+        bare = not spec.params and spec.made is None
+        if bare and (knob := knob_of(spec)) is not None:
+            found[spec.label] = knob
+    return found
+
+
+def _bench(
+    policies: Sequence[PolicySpec],
+    scene: Scene,
+    paths: Sequence[CameraTrace],
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    settings: CompareSettings,
+    knobs: dict[str, Knob],
+) -> tuple[Bench, Rotation]:
+    """Return what all replays share; variations of a single path stand behind it."""
+    every = list(paths)
+    if len(paths) == 1 and knobs:
+        every += [vary(paths[0], options.seed + 1 + number) for number in range(VARIATIONS)]
+    inputs = {content_hash(value): value for value in (scene, hardware)}
+    scene_hash, hardware_hash = inputs
+    hashes = tuple(content_hash(path) for path in every)
+    bench = Bench(
+        inputs=inputs | dict(zip(hashes, every, strict=True)),
+        scene=scene_hash,
+        hardware=hardware_hash,
+        paths=hashes,
+        specs={spec.label: spec for spec in policies},
+        knobs=knobs,
+        options=options,
+        warmup_s=settings.warmup_s,
+        miss=settings.miss,
     )
-    return comparison, logs
+    return bench, rotate(len(paths), len(every) - len(paths))
 
 
-def _result(spec: PolicySpec, runs: Runs, pools: dict[str, Pool]) -> PolicyResult:
-    named = (spec.name, spec.label, spec.params)
-    if runs.failure is not None:
-        oracle = is_oracle(spec)
-        return PolicyResult(*named, runs.failure.kind, str(runs.failure), oracle, 0, {})
-    (mean,) = runs.means
-    metrics: dict[str, Score] = {}
-    for metric in METRICS:
-        low, high = interval(pools[spec.label].get(metric.id))
-        metrics[metric.id] = Score(mean.values[metric.id], low, high, metric.unit, metric.better)
-    oracle = mean.log is not None and mean.log.header.oracle
-    return PolicyResult(*named, "ok", None, oracle, mean.frames, metrics, mean.steps)
-
-
-def _conditions(world: World) -> ReplayConditions:
-    display, options = world.hardware.display, world.options
-    return ReplayConditions(
-        display=display.mode,
-        refresh_hz=display.refresh_hz,
-        frames_in_flight=world.hardware.frames_in_flight,
-        width_px=display.width_px,
-        height_px=display.height_px,
-        fovy_deg=options.fovy_deg,
-        crossfade_ms=options.crossfade_ms,
-        measurement_delay=options.measurement_delay,
-        trace_s=world.trace.duration_s,
-        nodes=len(world.scene),
-        hardware_source=world.hardware.provenance.source,
-        hardware_assumed=world.hardware.provenance.assumed,
-    )
+def _study_hash(bench: Bench, settings: CompareSettings) -> str | None:
+    """Return the hash of all that a comparison depends on, None if a policy has no content."""
+    try:
+        policies = [policy_hash(spec) for spec in bench.specs.values()]
+    except TypeError:
+        return None
+    matters = replace(settings, workers=0, scheduler=None, policy_limits=DEFAULT_LIMITS)
+    named = (bench.scene, bench.hardware, list(bench.paths), repr(bench.options), repr(matters))
+    return content_hash(package_hash(), policies, settings.policy_limits, *named)

@@ -42,14 +42,13 @@ class Compared:
     comparison : Comparison
     logs : dict of str to FrameLog
         Of every scored policy on the first path, by label.
-    runs : pa.Table
-        A row for each replay, see `results.record`; its columns ``path`` and ``knob`` say where it
-        stands, ``judged`` whether the policy is judged by it.
+    runs : pa.Table or None
+        A row for each replay, see `Replays.to_table`.
     """
 
     comparison: Comparison
     logs: dict[str, FrameLog]
-    runs: "pa.Table"
+    runs: "pa.Table | None"
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +115,8 @@ def write_results(
         for label, name in frame_log_names(list(compared.logs)).items():
             write_frame_log(partial / _FRAMES / name, compared.logs[label])
         (partial / _COMPARISON).write_bytes(encode_record(compared.comparison))
-        write_runs(partial / _RUNS, compared.runs)
+        if compared.runs is not None:
+            write_runs(partial / _RUNS, compared.runs)
         page = render_report(compared.comparison, compared.logs)
         (partial / _REPORT).write_text(page, encoding="utf-8")
         if study is not None:
@@ -161,7 +161,8 @@ def read_results(folder: Path) -> Compared:
                 f"{got.policy}, seed {got.seed}; run `lodbench compare` again",
                 path=folder / _FRAMES / names[policy.label],
             )
-    return Compared(comparison, logs, read_runs(folder / _RUNS))
+    runs = read_runs(folder / _RUNS) if (folder / _RUNS).exists() else None
+    return Compared(comparison, logs, runs)
 
 
 def rewrite_report(folder: Path) -> Path:

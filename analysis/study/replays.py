@@ -4,7 +4,7 @@ A comparison asks in rounds, since which values of a knob are worth a replay is 
 replays before.  Folds, curves and areas then share them.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,10 @@ from .run import Run
 from .runs import Progress
 from .score import Scored
 
-if TYPE_CHECKING:  # it needs Arrow, which a study without a folder does not
+if TYPE_CHECKING:  # they need Arrow, which a study without a folder does not
+    import pyarrow as pa
+
+    from .results.record import AxisValue
     from .results.work_folder import WorkFolder
 
 
@@ -143,6 +146,30 @@ class Replays:
         """Yield the places that have scores, in order."""
         places = self._scored
         return iter(sorted(places, key=lambda at: (at.policy, *map(_order, _rest(at)))))
+
+    def to_table(self, judged: Collection[Place]) -> "pa.Table | None":
+        """Return a row for each replay, see `results.record.COLUMNS`, and where it stands.
+
+        None where a policy has no content to hash, by which rows are told apart.
+
+        Parameters
+        ----------
+        judged
+            Places of the replays by which policies are judged.
+        """
+        from .results.record import Entry, encode
+
+        places = [place for place in self if not place.logged]
+        axes: dict[str, list[AxisValue]] = {
+            "knob": [place.knob for place in places],
+            "judged": [place in judged for place in places],
+        }
+        names = {digest: value.name for digest, value in self.bench.inputs.items()}
+        try:
+            runs = RunList(tuple(map(self.bench.run_at, places)), names, axes)
+        except TypeError:
+            return None
+        return encode(runs, [Entry(at, self[place]) for at, place in enumerate(places)])
 
     def make(self, places: Iterable[Place]) -> None:
         """Make the replays that are not made yet, of policies that have not failed.

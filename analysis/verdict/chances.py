@@ -54,24 +54,27 @@ def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
     )
 
 
-def p_best_in_order(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0) -> FloatArray:
-    """Return each policy's probability, (P,), of being the best in the order of the criteria.
+def order_chances(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0) -> Chances:
+    """Return each policy's chances in the order of the criteria; nan from one path.
 
-    In a draw, who is within the margin of the best in the first criterion is judged by the next,
-    and who is left by the last criterion's best mean.  nan from one path.
+    In a draw, who is within the margin of the best in one criterion is judged by the next.  The
+    best is who is left with the best mean of the last; within the margin is who is left by its
+    margin too.  The regret is that of the first criterion.
     """
     policies, n = criteria[0].values.shape
     if n < 2:
-        return np.full(policies, np.nan, dtype=np.float64)
+        nothing = np.full(policies, np.nan)
+        return Chances(nothing, nothing, nothing)
     sampled = _posterior(criteria, draws, seed)
     left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
+    best = left
     for criterion, means in zip(criteria, sampled, strict=True):
-        best = np.where(left, means, np.inf).min(axis=1, keepdims=True)
-        if criterion is criteria[-1]:
-            left &= means == best
-        else:
-            left &= beyond_margin(means, best, criterion) <= 0
-    return _shared(left)
+        least = np.where(left, means, np.inf).min(axis=1, keepdims=True)
+        best = left & (means == least)
+        left = left & (beyond_margin(means, least, criterion) <= 0)
+    first = sampled[0]
+    regret = first - first.min(axis=1, keepdims=True)
+    return Chances(_shared(best), left.mean(axis=0), regret.mean(axis=0))
 
 
 def _posterior(criteria: Sequence[Criterion], draws: int, seed: int) -> list[FloatArray]:

@@ -1,4 +1,4 @@
-"""Charts over the time of the trace: work, lag, switches and error."""
+"""Charts over the time of the first path: work, lag, switches and error."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ _TITLES = (
 )
 
 
-@section("Along the trace")
+@section("Along the first path")
 def along_the_trace(results: Results) -> tuple[Chart]:
     """Drag to zoom all four; click a name to hide a policy.
 
@@ -55,7 +55,7 @@ def _chart(results: Results) -> Any:
     for row, top in enumerate(tops, 1):
         figure.update_yaxes(range=(0.0, _top(top)), row=row, col=1)
     figure.add_hline(y=comparison.budget_ms, row=1, col=1, line=BUDGET)
-    figure.update_xaxes(title_text="time of the trace, s", row=4, col=1)
+    figure.update_xaxes(title_text="time of the path, s", row=4, col=1)
     return styled(figure, 860, comparison.ok)
 
 

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from ...metrics.metric_registry import METRICS
 from ..blocks import Across, Cell, Table
 from ..results import Results, section
+from ..summary import MetricColumn, shown_policies
 
 
 @section("Every metric, its definition and its source", folded=True)
 def every_metric(results: Results) -> tuple[Table]:
-    """Best of each metric in green, with the {level} interval below each value."""
-    heads = ("metric", "unit", *map(results.name_of, results.comparison.ok))
+    """Below each value stands its {level} interval."""
+    heads = ("metric", "unit", *map(results.name_of, shown_policies(results.comparison)))
     return (Table(heads, list(_rows(results)), "metrics"),)
 
 
@@ -20,7 +21,9 @@ def _rows(results: Results) -> Iterator[tuple[Cell | str, ...] | Across]:
         if metric.group != group:
             group = metric.group
             yield Across(group, "group")
-        values = (results.value_of(policy, metric.id) for policy in results.comparison.ok)
+        column = MetricColumn(metric.id, metric.id)
+        shown = shown_policies(results.comparison)
+        values = (results.value_of(policy, column) for policy in shown)
         hint = f"{metric.definition}  Source: {metric.source}"
         yield Cell(metric.id, hint=hint), metric.unit, *values
         aside = f"{metric.better} is better.  Source: {metric.source}"

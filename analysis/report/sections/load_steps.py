@@ -9,17 +9,18 @@ from ..blocks import Cell, Chart, Paragraph, Table
 from ..results import Results, section
 from ..series import envelope
 from ..style import BUDGET, add_line, panels, styled
-from ..summary import BOUND, settled
 from ..values import ABSENT, format_value
 
 _BUCKETS = 700
 _BEFORE_S, _AFTER_S = 0.25, 1.5
 _MOST_STEPS = 6
+_BOUND = ">"
+"""Stands before a value that is a lower bound."""
 
 
 @section("After a step in load")
 def load_steps(results: Results) -> tuple[Paragraph] | tuple[Chart, Table]:
-    """Work time over the budget, about each of the largest steps: up to six.
+    """On the first path, work time over the budget, about each of the largest steps: up to six.
 
     A step is a rise of what is visible, priced at full detail, by a quarter or more within 100 ms
     to above the budget.  Overshoot is the largest work time until the budget has been kept for
@@ -28,7 +29,7 @@ def load_steps(results: Results) -> tuple[Paragraph] | tuple[Chart, Table]:
     """
     steps = _largest_steps(results.comparison)
     if not steps:
-        return (Paragraph("The visible load of this trace has no such step."),)
+        return (Paragraph("The visible load of the first path has no such step."),)
     return Chart("steps", _chart(results, steps)), _table(results, steps)
 
 
@@ -91,9 +92,14 @@ def _answer(policy: PolicyResult, drawn: Step) -> Cell:
 
 
 def _mean(policy: PolicyResult) -> Cell:
-    overshoot, settle = policy.metrics["overshoot_ratio"], policy.metrics["settle_ms"]
-    return _cell(overshoot.value, settle.value, bound=not settled(policy))
+    """Return the mean answer to the steps of the first path."""
+    if not policy.steps:
+        return Cell(ABSENT)
+    count = len(policy.steps)
+    overshoot = sum(step.overshoot_ratio for step in policy.steps) / count
+    settle_ms = sum(step.settle_ms for step in policy.steps) / count
+    return _cell(overshoot, settle_ms, bound=not all(step.settled for step in policy.steps))
 
 
 def _cell(overshoot: float | None, settle_ms: float | None, *, bound: bool) -> Cell:
-    return Cell(f"{format_value(overshoot)} ×", f"{BOUND * bound}{format_value(settle_ms)} ms")
+    return Cell(f"{format_value(overshoot)} ×", f"{_BOUND * bound}{format_value(settle_ms)} ms")

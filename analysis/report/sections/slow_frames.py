@@ -14,7 +14,7 @@ _TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
 
 @section("How slow the slow frames are")
 def slow_frames(results: Results) -> tuple[Chart]:
-    """Share of frames that take at least so long, on a logarithmic scale.
+    """On the first path, the share of frames that take at least so long, on a logarithmic scale.
 
     The 99th percentile is where a line crosses 1 %.
     """
@@ -26,7 +26,7 @@ def _chart(results: Results) -> Any:
     titles = ["Work time", "Interval between displays"]
     figure = panels(1, 2, shared_yaxes=True, subplot_titles=titles)
     for policy in comparison.ok:
-        run = MeasuredFrames(results.logs[policy.label], comparison.warmup)
+        run = MeasuredFrames(results.logs[policy.label], *comparison.paths[0].window_s)
         for column, values in enumerate((run.work_ms, run.frame_ms), 1):
             x, share = tail(values, _POINTS)
             ink, points = results.inks[policy.label], (x, 100.0 * share)

@@ -1,62 +1,65 @@
-"""What a policy gives for what: stability against lag, flicker and quality."""
+"""What a policy gives for what: picture error and switches over work, as its knob turns."""
 
 from typing import Any
 
-from ...metrics.metric import Metric
-from ...metrics.metric_registry import find_metric
-from ...study.comparison import PolicyResult
-from ..blocks import Chart, Paragraph
+from ...study.comparison import Comparison, PolicyResult
+from ..blocks import Chart, Table
 from ..results import Results, section
-from ..style import panels, styled
-from ..values import metric_words
+from ..style import BUDGET, panels, styled
+from ..values import format_value
 
 
-@section("Trade-offs")
-def tradeoffs(results: Results) -> tuple[Chart, Paragraph]:
-    """Lower left is better in each.
+@section("What each policy gives at every budget")
+def tradeoffs(results: Results) -> tuple[Chart, Table] | tuple[Chart]:
+    """A line is one policy as its knob turns; the point on it is where it was set for this budget.
 
-    Filled points are on the Pareto front over all four metrics, and bars are {level} intervals.
+    Lower is better; the dashed line is the budget.  Work is the time that budgets judge, the mean
+    over paths.  A policy without a knob is a point.
     """
-    chances = results.comparison.pareto.probability
-    listed = ", ".join(f"{label} {100 * p:.0f} %" for label, p in chances.items()) or "unknown"
-    text = f"Share of resamples in which a policy is on the front: {listed}."
-    return results.chart("pareto", _chart), Paragraph(text, "dim")
+    chart = results.chart("tradeoff", _chart)
+    robustness = results.comparison.robustness
+    if robustness is None:
+        return (chart,)
+    rows = [
+        (
+            f"{at.refresh_hz:g} Hz, {at.budget_ms:.4g} ms",
+            ", ".join(at.first) or "nobody",
+            ", ".join(at.misses) or "–",
+        )
+        for at in robustness.budgets
+    ]
+    heads = ("budget, read off the curves", "first rank", "does not reach it")
+    return chart, Table(heads, rows)
 
 
 def _chart(results: Results) -> Any:
     comparison = results.comparison
-    first, *others = (find_metric(name) for name in comparison.pareto.metrics)
-    figure = panels(1, len(others), horizontal_spacing=0.07)
+    titles = ["Visible error, px", "Visible pops per second"]
+    figure = panels(1, 2, subplot_titles=titles, horizontal_spacing=0.07)
     for policy in comparison.ok:
-        ink = results.inks[policy.label]
-        marker = {"color": ink.color, "size": 11, "symbol": ink.symbol}
-        if policy.label not in comparison.pareto.front:
-            marker["symbol"] = f"{ink.symbol}-open"
-        for column, other in enumerate(others, 1):
-            x, x_error = _point(policy, first)
-            y, y_error = _point(policy, other)
+        _draw(figure, results, comparison, policy)
+    figure.add_vline(x=comparison.budget_ms, line=BUDGET)
+    quantile = format_value(1.0 - comparison.miss, percent=True)
+    figure.update_xaxes(type="log", title_text=f"work, ms at {quantile} % of the time")
+    figure.update_yaxes(rangemode="tozero")
+    return styled(figure, 430, comparison.ok)
+
+
+def _draw(figure: Any, results: Results, comparison: Comparison, policy: PolicyResult) -> None:
+    ink, keeps = results.inks[policy.label], policy.keeps_budget
+    curve = comparison.curves.get(policy.label)
+    if curve is not None:
+        for column, values in enumerate((curve.visible_error_px, curve.pops_per_s), 1):
             figure.add_scatter(
-                x=[x], y=[y], error_x=x_error, error_y=y_error, row=1, col=column, marker=marker,
-                showlegend=column == 1, name=policy.label, legendgroup=policy.label, mode="markers",
+                x=curve.work_ms, y=values, row=1, col=column, mode="lines", showlegend=False,
+                legendgroup=policy.label, name=policy.label,
+                line={"color": ink.color, "dash": ink.dash, "width": 1.4},
             )  # fmt: skip
-    for column, other in enumerate(others, 1):
-        figure.update_xaxes(title_text=_title(first), row=1, col=column)
-        figure.update_yaxes(title_text=_title(other), row=1, col=column)
-    return styled(figure, 370, comparison.ok)
-
-
-def _point(policy: PolicyResult, metric: Metric) -> tuple[float | None, dict[str, Any]]:
-    """Return a value and its error bar, fractions in per cent."""
-    score = policy.metrics[metric.id]
-    scale = 100.0 if metric.unit == "fraction" else 1.0
-    if score.value is None or score.low is None or score.high is None:
-        return score.value, {}
-    up, down = max(score.high - score.value, 0.0), max(score.value - score.low, 0.0)
-    return scale * score.value, {
-        "type": "data", "array": [scale * up], "arrayminus": [scale * down],
-        "thickness": 1, "width": 3,
-    }  # fmt: skip
-
-
-def _title(metric: Metric) -> str:
-    return f"{metric_words(metric)}, {'%' if metric.unit == 'fraction' else metric.unit}"
+    if keeps is None:
+        return
+    for column, metric in enumerate(("visible_error_px", "visible_pops_per_s"), 1):
+        figure.add_scatter(
+            x=[keeps.work_ms], y=[policy.value_of(metric)], row=1, col=column, mode="markers",
+            marker={"color": ink.color, "size": 10, "symbol": ink.symbol},
+            name=policy.label, legendgroup=policy.label, showlegend=column == 1,
+        )  # fmt: skip

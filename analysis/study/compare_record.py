@@ -1,0 +1,85 @@
+"""The record of a comparison, made from its verdict and from what went into it."""
+
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
+from ...traces.cameras.camera_trace import CameraTrace
+from ..verdict.scores import LEVEL
+from ..verdict.verdict import Verdict
+from .code_hash import code_hash
+from .comparison import Comparison, Conditions, PathInfo, Provenance, Sampling
+from .replays import Bench
+
+
+def make_comparison(
+    verdict: Verdict,
+    bench: Bench,
+    scene: Scene,
+    paths: Sequence[CameraTrace],
+    hardware: HardwareProfile,
+    sampling: Sampling,
+    *,
+    margin: float,
+    command: str,
+) -> Comparison:
+    """Return the record of a verdict on judged paths."""
+    options = bench.options
+    windows = [(bench.warmup_s, path.duration_s) for path in paths]
+    return Comparison(
+        scene=scene.name,
+        paths=tuple(PathInfo(path.name, at) for path, at in zip(paths, windows, strict=True)),
+        hardware=hardware.name,
+        budget_ms=options.budget_ms,
+        miss=bench.miss,
+        visible_px=options.visible_px,
+        margin=margin,
+        seed=options.seed,
+        conditions=_conditions(bench, scene, hardware),
+        sampling=sampling,
+        warnings=verdict.warnings,
+        answer=verdict.answer,
+        policies=verdict.policies,
+        chances=verdict.chances,
+        least_miss=verdict.least_miss,
+        curves=verdict.curves,
+        robustness=verdict.robustness,
+        provenance=_provenance(bench, command),
+    )
+
+
+def make_sampling(
+    paths: int, seeds: int, draws: int, knobs: Mapping[str, object], variations: int
+) -> Sampling:
+    """Return in words and numbers how much was replayed, and of what it is a sample."""
+    if not knobs:
+        tuned_on = "no knob was tuned"
+    elif paths == 1:
+        tuned_on = f"knobs were tuned on {variations} variations of the path"
+    else:
+        tuned_on = "knobs were tuned on other paths than those they are judged on"
+    population = "this path" if paths == 1 else "such paths"
+    return Sampling(LEVEL, seeds, draws, population, tuned_on)
+
+
+def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:
+    options, display = bench.options, hardware.display
+    return Conditions(
+        display=display.mode,
+        refresh_hz=display.refresh_hz,
+        frames_in_flight=hardware.frames_in_flight,
+        width_px=display.width_px,
+        height_px=display.height_px,
+        fovy_deg=options.fovy_deg,
+        crossfade_ms=options.crossfade_ms,
+        measurement_delay=options.measurement_delay,
+        nodes=len(scene),
+        hardware_source=hardware.provenance.source,
+        hardware_assumed=hardware.provenance.assumed,
+    )
+
+
+def _provenance(bench: Bench, command: str) -> Provenance:
+    hashes = {value.name: digest for digest, value in bench.inputs.items()}
+    return Provenance(command, version("lodbench"), code_hash(), hashes)
