@@ -6,6 +6,8 @@ or mountains, a path that knows nothing of these would go through walls or below
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -13,14 +15,21 @@ from ...base.arrays import FloatArray
 from ...models.scene.extent import scene_extent
 from ...models.scene.scene import Scene
 from ...traces.cameras.camera_trace import CameraTrace
-from ...traces.cameras.generators.generate import generate
+from ...traces.cameras.generators.generate import KINDS, generate
+from ...traces.cameras.generators.load_map import LoadMap
 from ...traces.cameras.generators.route import follow_route
 from ...traces.cameras.generators.tour import tour
+from ...traces.cameras.generators.trial import trial
+from .scene_load import map_load
+
+Plan: TypeAlias = tuple[float, float]
 
 WALK_M_S, DRIVE_M_S = 1.4, 14.0
 """Speeds along a way: on foot, and ten times as fast, as the HLOD thesis compares (section 6.5)."""
 
 _EYE_M = 1.65
+_PACES = 0.7, 1.0  # shares of a speed that seeds draw from
+_PACE = 1  # beside the seed, so that paces are not the draws that make the route
 _FLIGHT_M, _FLIGHT_SHARE = 60.0, 0.25
 
 
@@ -47,6 +56,8 @@ class Stage:
         What `walk` and `drive` follow.
     moves : Mapping
         By kind of movement.
+    load : callable or None
+        Returns where the load is within a plan: centre, lengths, way.
     surface : callable or None
         Returns the ground's z at (n, 2) points, where it is not flat.
     """
@@ -56,6 +67,7 @@ class Stage:
     way_m: FloatArray | None = None
     moves: Mapping[str, Move] = field(default_factory=dict[str, Move])
     surface: Callable[[FloatArray], FloatArray] | None = None
+    load: Callable[[Plan, Plan, FloatArray | None], LoadMap] | None = None
 
     def tour(self) -> CameraTrace:
         """Return the bundled trace over this stage."""
@@ -63,20 +75,36 @@ class Stage:
         lift = self.moves.get("tour", Move()).height_m or 0.0
         return tour((x, y, z + lift), self.plan_m)
 
-    def move(self, kind: str, duration_s: float) -> CameraTrace:
-        """Return a generated trace of a kind of movement over this stage."""
+    def move(self, kind: str, duration_s: float, seed: int = 0) -> CameraTrace:
+        """Return a generated trace of a kind of movement over this stage.
+
+        Seeds other than 0 give other routes, or starts and directions on the stage's way, at
+        speeds of 0.7 to 1 of the kind's.
+        """
+        rng = np.random.default_rng((seed, _PACE))
+        pace = float(rng.uniform(*_PACES)) if seed else 1.0
+        if kind == "trial" and self.load is not None:
+            return self._trial(self.load, duration_s, seed)
         if self.way_m is not None and kind in ("walk", "drive"):
-            speed = WALK_M_S if kind == "walk" else DRIVE_M_S
             way = np.column_stack((self.way_m, np.full(len(self.way_m), self.ground_m[2])))
-            return follow_route(kind, way, speed_m_s=speed, height_m=_EYE_M, duration_s=duration_s)
+            return follow_route(
+                f"{kind}-{seed}" if seed else kind,
+                way[::-1] if seed and rng.random() < 0.5 else way,
+                speed_m_s=pace * (WALK_M_S if kind == "walk" else DRIVE_M_S),
+                height_m=_EYE_M,
+                duration_s=duration_s,
+                start=float(rng.random()) if seed else 0.0,
+            )
         move = self.moves.get(kind, Move())
+        speed_m_s = move.speed_m_s or KINDS[kind].limits.speed_m_s
         trace = generate(
             kind,
             duration_s=duration_s,
             extent_m=move.extent_m or min(self.plan_m),
             center_m=self.ground_m,
-            speed_m_s=move.speed_m_s,
+            speed_m_s=pace * speed_m_s or None,  # a kind that stands takes no speed
             height_m=move.height_m,
+            seed=seed,
         )
         if self.surface is None or not move.on_ground:
             return trace
@@ -84,12 +112,33 @@ class Stage:
         position[:, 2] += self.surface(position[:, :2]) - self.ground_m[2]
         return replace(trace, position_m=position)
 
+    def _trial(
+        self, load: Callable[[Plan, Plan, FloatArray | None], LoadMap], duration_s: float, seed: int
+    ) -> CameraTrace:
+        x, y, z = self.ground_m
+        kind, move = KINDS["trial"], self.moves.get("trial", Move())
+        plan = self.plan_m if move.extent_m is None else (move.extent_m, move.extent_m)
+        limits = kind.limits
+        if move.speed_m_s is not None:
+            limits = replace(limits, speed_m_s=move.speed_m_s)
+        return trial(
+            f"trial-{seed}",
+            load((x, y), plan, self.way_m),
+            limits,
+            height_m=z + (kind.height_m if move.height_m is None else move.height_m),
+            duration_s=duration_s,
+            seed=seed,
+        )
+
 
 def find_stage(scene: Scene) -> Stage:
     """Return the stage of a bundled scene, or the box about any other."""
     known = _STAGES.get((scene.name, scene.types.names[0]))
-    if known is not None:
-        return known()
+    stage = _box(scene) if known is None else known()
+    return replace(stage, load=partial(map_load, scene))
+
+
+def _box(scene: Scene) -> Stage:
     middle, size = scene_extent(scene)
     ground = (float(middle[0]), float(middle[1]), float(middle[2] - 0.5 * size[2]))
     plan = (float(size[0]), float(size[1]))
@@ -131,6 +180,7 @@ def _styria() -> Stage:
     far = Move(60_000.0, None, high)
     aloft = dict.fromkeys(("tour", "orbit", "look-around", "dash", "teleport"), far)
     moves = aloft | {
+        "trial": Move(60_000.0, 250.0, high),
         "walk": Move(200.0, WALK_M_S, None, on_ground=True),
         "drive": Move(2_000.0, DRIVE_M_S, None, on_ground=True),
         "fly-over": Move(60_000.0, 250.0, high),

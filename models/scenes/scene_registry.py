@@ -37,6 +37,7 @@ SCENES: Registry[BundledScene] = Registry(
         "atlas": "atlas:ATLAS",
         "city": "city:CITY",
         "crowd-1024": "crowd:CROWD",
+        "district": "district:DISTRICT",
         "market": "market:MARKET",
         "ogres": "ogres:OGRES",
         "ogres-trees": "ogres:OGRES_TREES",

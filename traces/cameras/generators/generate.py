@@ -11,6 +11,7 @@ look-around  0      120     1.65    stands in the centre and turns its head
 dash         7      180     1.65    stands for 4 s, runs across, turns, stands again
 teleport     0      30      1.65    stands somewhere else every 3 s (cuts), pans
 sudden-turn  5      360     1.65    crosses, turns round at once: from few objects to all
+trial        7      360     1.65    rests, ramps, steps, edges, turns and dashes: see `trial`
 ===========  =====  ======  ======  =====================================================
 
 Speeds (m/s, horizontal) and turn rates (degrees/s) are upper bounds, heights (m) are above the
@@ -34,7 +35,9 @@ from ....base.nearest_names import unknown_name
 from ..camera_trace import CameraTrace
 from ..orientation import look_along
 from ..samples import MAX_COORDINATE_M
+from .load_map import half_square
 from .motion_paths import Limits, Timeline, travel_closed_curve
+from .trial import trial_path
 
 MAX_DURATION_S = 6.0 * 3600.0
 # The pace of the walk: a step's bob, and how far and how slowly the head looks aside.
@@ -210,6 +213,11 @@ def _shuttle(
     return _Path(np.multiply.outer(along.at(times), ahead), np.radians(heading_deg.at(times)))
 
 
+def _trial(rng: Generator, times: FloatArray, extent_m: float, kind: Movement) -> _Path:
+    plan, heading, cut = trial_path(rng, times, half_square(extent_m), kind.limits)
+    return _Path(np.column_stack((plan, np.zeros_like(times))), heading, cut=cut)
+
+
 # Limits are speed (m/s), acceleration (m/s^2) and turn rate (degrees/s); see the table above.
 KINDS: dict[str, Movement] = {
     "walk": Movement(Limits(1.4, 1.0, 120.0), 1.65, _walk),
@@ -220,4 +228,5 @@ KINDS: dict[str, Movement] = {
     "dash": Movement(Limits(7.0, 6.0, 180.0), 1.65, partial(_shuttle, hold_s=4.0)),
     "teleport": Movement(Limits(0.0, 1.0, 30.0), 1.65, _teleport),
     "sudden-turn": Movement(Limits(5.0, 3.0, 360.0), 1.65, _shuttle),
+    "trial": Movement(Limits(7.0, 12.0, 360.0), 1.65, _trial),
 }

@@ -20,6 +20,7 @@ def follow_route(
     height_m: float,
     duration_s: float,
     bend_m: float = 1.5,
+    start: float = 0.0,
 ) -> CameraTrace:
     """Trace along a polyline that looks where it goes; the same points at any speed.
 
@@ -35,6 +36,8 @@ def follow_route(
         Above the points.
     bend_m
         Length over which corners are rounded, > 0.
+    start
+        Where on the round, or on the way there and back, to begin, in [0, 1).
     """
     if not min(speed_m_s, duration_s, bend_m) > 0.0:
         raise InputError(
@@ -45,11 +48,12 @@ def follow_route(
     closed = bool(np.allclose(line[0], line[-1]))
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
     times = np.arange(round(duration_s * _RATE_HZ) + 1) / _RATE_HZ
-    gone = speed_m_s * times
+    whole = float(along[-1]) if closed else 2.0 * float(along[-1])
+    gone = start * whole + speed_m_s * times
     at = np.mod(gone, along[-1])
     forth = np.ones(len(times), dtype=np.bool_)
     if not closed:
-        forth = np.mod(gone, 2.0 * along[-1]) < along[-1]
+        forth = np.mod(gone, whole) < along[-1]
         at = np.where(forth, at, along[-1] - at)
     position = np.stack([np.interp(at, along, line[:, i]) for i in range(3)], axis=1)
     position[:, 2] += height_m
