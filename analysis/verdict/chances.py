@@ -3,7 +3,8 @@
 The joint posterior of P means, given n paths that all policies share, is a multivariate t whose
 scatter is that of the paths: policies that rise and fall together stay together, so that small
 paired differences are told from large common ones.  A draw is the means plus the centred data
-times normal weights, which never needs the P × P covariance.
+times normal weights, which never needs the P × P covariance.  The chance of being
+the best is taken from leads that are shrunk: of many equals one is always in front.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from .criterion import Criterion, beyond_margin
+from .shrinkage import shrink
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,11 +46,13 @@ def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
     if n < 2:
         nothing = np.full(policies, np.nan)
         return Chances(nothing, nothing, nothing)
-    sampled = _posterior([criterion], draws, seed)[0]
+    # Shrunk means would be too sure that all are near the best; plain ones, that one is the best.
+    leads = _posterior([criterion], draws, seed, shrunk=True)[0]
+    sampled = _posterior([criterion], draws, seed, shrunk=False)[0]
     best = sampled.min(axis=1, keepdims=True)
     within = beyond_margin(sampled, best, criterion) <= 0
     return Chances(
-        p_best=_shared(sampled == best),
+        p_best=_shared(leads == leads.min(axis=1, keepdims=True)),
         p_within_margin=within.mean(axis=0),
         regret=(sampled - best).mean(axis=0),
     )
@@ -65,7 +69,7 @@ def order_chances(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 
     if n < 2:
         nothing = np.full(policies, np.nan)
         return Chances(nothing, nothing, nothing)
-    sampled = _posterior(criteria, draws, seed)
+    sampled = _posterior(criteria, draws, seed, shrunk=True)
     left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
     best = left
     for criterion, means in zip(criteria, sampled, strict=True):
@@ -77,10 +81,13 @@ def order_chances(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 
     return Chances(_shared(best), left.mean(axis=0), regret.mean(axis=0))
 
 
-def _posterior(criteria: Sequence[Criterion], draws: int, seed: int) -> list[FloatArray]:
+def _posterior(
+    criteria: Sequence[Criterion], draws: int, seed: int, *, shrunk: bool
+) -> list[FloatArray]:
     """Return draws of the P means in each criterion, (R, P), turned so that less is better.
 
-    All criteria take the same weights, so that they stay together too.
+    All criteria take the same weights, so that they stay together too.  `shrunk`: with leads taken
+    back as far as the leader was chosen for them.
     """
     n = criteria[0].values.shape[1]
     rng = np.random.default_rng(seed)
@@ -94,6 +101,8 @@ def _posterior(criteria: Sequence[Criterion], draws: int, seed: int) -> list[Flo
         # Identical policies are sampled once: a matrix product may round equal rows differently.
         rows, of_row = np.unique(values, axis=0, return_inverse=True)
         means = rows.mean(axis=1) + weights @ (rows - rows.mean(axis=1, keepdims=True)).T
+        if shrunk:
+            means = shrink(means, rows, rng)
         sampled.append(means[:, of_row.reshape(-1)])
     return sampled
 
