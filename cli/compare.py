@@ -52,17 +52,17 @@ def compare(
     policy: Policies = None,
     budget_ms: options.BudgetMs = None,
     seed: options.Seed = 0,
-    frames: options.Frames = None,
+    seconds: options.Seconds = "0:",
     out: Out = None,
     as_json: options.AsJson = False,
     wide: Wide = False,
-    warmup: options.Warmup = 30,
+    warmup_s: options.Warmup = 1.0,
+    visible_px: options.Visible = 1.0,
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
     draws: options.Draws = 16,
-    resamples: options.Resamples = 200,
     place: options.Place = "shrink",
     display: Display = None,
     refresh_hz: RefreshHz = None,
@@ -72,13 +72,13 @@ def compare(
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
 ) -> None:
-    """Compare policies on a camera trace: budget, lag, flicker, quality, and which beats which."""
+    """Compare policies on a camera trace: budget, lag, flicker, quality and work."""
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study import compare as study
     from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import adjust_machine, load_trace
+    from ..analysis.study.inputs import adjust_machine, load_trace, parse_seconds
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import default_policies, parse_policy
     from ..sim.faults import parse_faults
@@ -90,19 +90,18 @@ def compare(
         profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or default_policies()]
-        path = load_trace(trace, world, place)
+        path = load_trace(trace, world, place).stretch(*parse_seconds(seconds))
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),
             seed=seed,
-            frames=frames,
+            visible_px=visible_px,
             fovy_deg=fovy_deg,
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
         )
         scoring = study.CompareOptions(
-            warmup=warmup,
-            resamples=resamples,
+            warmup_s=warmup_s,
             draws=draws,
             workers=workers,
             policy_limits=limits,

@@ -18,7 +18,6 @@ SECTIONS = (
     "slow_frames",
     "load_steps",
     "tradeoffs",
-    "duels",
     "every_metric",
     "provenance",
 )

@@ -24,14 +24,15 @@ class MetricColumn:
 
 
 HEADLINE = (
-    MetricColumn("work_ms_p95", "work\np95\nms"),
+    MetricColumn("work_ms_p99", "work\np99\nms"),
     MetricColumn("frame_ms_sd", "frame\nsd\nms"),
-    MetricColumn("over_budget_fraction", "over\nbudget\n%", percent=True),
+    MetricColumn("over_budget_time_fraction", "over\nbudget\n%", percent=True),
     MetricColumn("settle_ms", "settle\n\nms"),
     MetricColumn("overshoot_ratio", "over-\nshoot\n×"),
     MetricColumn("lag_ms_mean", "lag\nmean\nms"),
-    MetricColumn("toggles_per_frame", "toggle\n/frame"),
-    MetricColumn("popping_px_per_frame", "pop px\n/frame"),
+    MetricColumn("visible_pops_per_s", "seen\npops\n/s"),
+    MetricColumn("toggles_per_s", "toggles\n/s"),
+    MetricColumn("visible_error_px", "seen\nerror\npx"),
     MetricColumn("sse_px_p95", "error\np95\npx"),
     MetricColumn("benefit_ratio", "bene-\nfit\n%", percent=True),
 )

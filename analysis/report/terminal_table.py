@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # rich is loaded by the command that prints
     from rich.table import Table
     from rich.text import Text
 
-BEST, ON_FRONT = "*", "•"
+BEST = "*"
 _LABEL_WIDTH = 20
 """Longer labels are folded, unless the terminal has more room than `_NUMBERS_WIDTH` for numbers."""
 _NUMBERS_WIDTH = 80
@@ -42,19 +42,18 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
 
 def explain_marks(comparison: Comparison) -> str:
     """Return what marks and intervals mean, and what is left out."""
-    i = comparison.intervals
-    pooled = f", pooled over {i.draws} draws of the cost model" if i.draws else ""
-    return (
-        f"{BEST} best of its column   {ON_FRONT} on the Pareto front of budget, lag, toggles, error"
-        f"   {BOUND} lower bound\n"
-        f"The first {comparison.warmup} frames are warm-up and not counted.\n"
-        f"Intervals (--wide): {i.level:.0%}, blocks of 1/{i.blocks} of the run{pooled}."
+    i, (start_s, end_s) = comparison.intervals, comparison.window_s
+    marks = (
+        f"{BEST} best of its column   {BOUND} lower bound\n"
+        f"Scored over {start_s:g} to {end_s:g} s of the path, by its clock."
     )
+    if not i.draws:
+        return marks
+    return f"{marks}\nIntervals (--wide): {i.level:.0%} of {i.draws} draws of the cost model."
 
 
-def _name(policy: PolicyResult, comparison: Comparison) -> str:
-    mark = ON_FRONT if policy.label in comparison.pareto.front else " "
-    return f"{mark} {policy.label}{' (oracle)' if policy.oracle else ''}"
+def _name(policy: PolicyResult) -> str:
+    return f"{policy.label}{' (oracle)' if policy.oracle else ''}"
 
 
 def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table]":
@@ -87,7 +86,7 @@ def _short_table(
             _marked(column.text(policy), best=policy.label in labels)
             for column, labels in zip(columns, best, strict=True)
         )
-        table.add_row(Text(_name(policy, comparison)), *cells)
+        table.add_row(Text(_name(policy)), *cells)
     return table
 
 
@@ -103,7 +102,7 @@ def _wide_table(comparison: Comparison, policies: tuple[PolicyResult, ...]) -> "
     table.add_column("metric", no_wrap=True)
     table.add_column("unit", no_wrap=True)
     for policy in policies:
-        table.add_column(_name(policy, comparison), overflow="fold", justify="right")
+        table.add_column(_name(policy), overflow="fold", justify="right")
     group = METRICS[0].group
     for metric in METRICS:
         if metric.group != group:

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...base.errors import require_whole
+import numpy as np
+
+from ...base.errors import require_real, require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec, is_oracle
@@ -12,9 +14,6 @@ from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..metrics.metric_registry import METRICS
-from ..verdict.bootstrap import BLOCKS
-from ..verdict.pareto import find_front
-from ..verdict.uncertainty import LEVEL, Pool, beats, interval, pool_of
 from .comparison import Comparison, Intervals, PolicyResult, ReplayConditions, Score
 from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.open_engine import open_engine
@@ -25,16 +24,18 @@ if TYPE_CHECKING:
     from .comparison_target import ComparisonTarget
 
 
+LEVEL = 0.9
+"""Share of posterior draws between the low and high end of an interval."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompareOptions:
     """How to score.
 
     Attributes
     ----------
-    warmup : int
-        Frames at the start of each replay that no metric counts.
-    resamples : int
-        Bootstrap resamples, over all draws.
+    warmup_s : float
+        Seconds at the start of the path that no metric counts.
     draws : int
         Posterior draws of the cost model to replay, if the profile has them.
     workers : int
@@ -45,16 +46,16 @@ class CompareOptions:
         Address of a Dask scheduler in place of processes here.
     """
 
-    warmup: int = 30
-    resamples: int = 200
+    warmup_s: float = 1.0
     draws: int = 16
     workers: int = 0
     policy_limits: Limits = DEFAULT_LIMITS
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        for name, low in (("warmup", 0), ("resamples", 1), ("draws", 0), ("workers", 0)):
+        for name, low in (("draws", 0), ("workers", 0)):
             require_whole(getattr(self, name), name, low)
+        require_real(self.warmup_s, "warmup_s")
 
 
 def compare(
@@ -78,15 +79,13 @@ def compare(
         Where the comparison is to be written.  Runs are kept beside it as they are done; if it
         holds this very comparison, that is returned.
 
-    Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
-    be warm-up.
+    Raises `InputError` if a policy is given twice, its parameters are refused, or all of the path
+    would be warm-up.
     """
     options = options or CompareOptions()
-    world = World(scene, trace, hardware, replay_options, options.warmup)
+    world = World(scene, trace, hardware, replay_options, options.warmup_s)
     draws = choose_draws(hardware, options.draws)
-    each = -(-options.resamples // max(len(draws), 1))
-    resamples = (0 if draws else each, each)
-    plan = plan_runs(policies, world, [replay_options.seed], draws, resamples)
+    plan = plan_runs(policies, world, [replay_options.seed], draws)
     limits = options.policy_limits
     if target is not None and (earlier := target.begin(plan, limits)) is not None:
         return earlier
@@ -94,32 +93,28 @@ def compare(
         plan.inputs, workers=options.workers, limits=limits, scheduler=options.scheduler
     )
     runs = carry_out(plan, engine, progress, None if target is None else target.work)
-    pools = {
-        label: pool_of(run.means[0], [drawn for (drawn,) in run.drawn])
-        for label, run in runs.items()
-        if run.failure is None
+    results = tuple(_result(spec, runs[spec.label]) for spec in policies)
+    logs = {
+        result.label: log
+        for result in results
+        if result.status == "ok" and (log := runs[result.label].means[0].log) is not None
     }
-    results = tuple(_result(spec, runs[spec.label], pools) for spec in policies)
-    scored = [result for result in results if result.status == "ok"]
-    logs = {label: log for label in pools if (log := runs[label].means[0].log) is not None}
     comparison = Comparison(
         scene=scene.name,
         trace=trace.name,
         hardware=hardware.name,
         budget_ms=replay_options.budget_ms,
         seed=replay_options.seed,
-        frames=max(map(len, logs.values()), default=0),
-        warmup=options.warmup,
+        window_s=(options.warmup_s, trace.duration_s),
+        visible_px=replay_options.visible_px,
         conditions=_conditions(world),
-        intervals=Intervals(LEVEL, each * max(len(draws), 1), BLOCKS, len(draws)),
+        intervals=Intervals(LEVEL, len(draws)),
         policies=results,
-        pareto=find_front([item for item in scored if not item.oracle], pools),
-        beats=beats(pools),
     )
     return comparison, logs
 
 
-def _result(spec: PolicySpec, runs: Runs, pools: dict[str, Pool]) -> PolicyResult:
+def _result(spec: PolicySpec, runs: Runs) -> PolicyResult:
     named = (spec.name, spec.label, spec.params)
     if runs.failure is not None:
         oracle = is_oracle(spec)
@@ -127,10 +122,19 @@ def _result(spec: PolicySpec, runs: Runs, pools: dict[str, Pool]) -> PolicyResul
     (mean,) = runs.means
     metrics: dict[str, Score] = {}
     for metric in METRICS:
-        low, high = interval(pools[spec.label].get(metric.id))
+        low, high = _ends([drawn.values[metric.id] for (drawn,) in runs.drawn])
         metrics[metric.id] = Score(mean.values[metric.id], low, high, metric.unit, metric.better)
     oracle = mean.log is not None and mean.log.header.oracle
     return PolicyResult(*named, "ok", None, oracle, mean.frames, metrics, mean.steps)
+
+
+def _ends(values: Sequence[float | None]) -> tuple[float | None, float | None]:
+    """Return the ends that hold `LEVEL` of the draws' values, None where one has no value."""
+    known = [value for value in values if value is not None]
+    if not known or len(known) < len(values):
+        return None, None
+    low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0))
+    return float(low), float(high)
 
 
 def _conditions(world: World) -> ReplayConditions:

@@ -13,10 +13,13 @@ from ..metrics.steps import Step
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SCHEMA = "lodbench.compare/1"
+SCHEMA = "lodbench.compare/2"
 
-SHOWN = ("work_ms_p95", "over_budget_fraction", "lag_ms_mean", "toggles_per_frame", "sse_px_p95")
-"""Metrics that stand for stability, lag, flicker and quality in a notebook."""
+SHOWN = (
+    *("work_ms_p99", "over_budget_time_fraction", "lag_ms_mean"),
+    *("visible_pops_per_s", "visible_error_px"),
+)
+"""Metrics that stand for budget, lag, flicker and quality in a notebook."""
 
 Status = Literal["ok", "failed", "not-applicable"]
 
@@ -30,7 +33,7 @@ class Score:
     value : float or None
         None where the run cannot have the metric.
     low, high : float or None
-        5th and 95th percentile of the bootstrap; None where it has nothing to say.
+        Ends of the interval over the draws of the cost model; None where there are none.
     """
 
     value: float | None
@@ -94,43 +97,19 @@ class ReplayConditions:
 
 @dataclass(frozen=True, slots=True)
 class Intervals:
-    """How intervals and probabilities were made.
+    """How intervals were made.
 
     Attributes
     ----------
     level : float
-        Share of resamples between low and high.
-    resamples : int
-        Resamples of blocks of frames, over all draws.
-    blocks : int
-        Blocks of a resample; each is this part of the run.
+        Share of draws between low and high.
     draws : int
-        Posterior draws of the cost model that were replayed; 0 if the profile has none.
+        Posterior draws of the cost model that were replayed; 0 if the profile has none, and then
+        there are no intervals.
     """
 
     level: float
-    resamples: int
-    blocks: int
     draws: int
-
-
-@dataclass(frozen=True, slots=True)
-class ParetoFront:
-    """Policies that no other beats in every group at once.
-
-    Attributes
-    ----------
-    metrics : tuple of str
-        The metric that stands for each group.
-    front : tuple of str
-        Labels of the policies on it; oracles take no part.
-    probability : dict of str to float
-        Share of resamples in which a policy is on it.
-    """
-
-    metrics: tuple[str, ...]
-    front: tuple[str, ...]
-    probability: dict[str, float]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -139,14 +118,10 @@ class Comparison:
 
     Attributes
     ----------
-    frames : int
-        Most frames that a policy's replay had.
-    warmup : int
-        Frames at the start of each replay that no metric counts.
-    beats : dict
-        By metric and then by label: the probability of being better than each other policy, in the
-        order of `policies` with status ok; a tie counts half, and None stands for oneself and where
-        either has no value.
+    window_s : (start, end)
+        The stretch of the path that metrics count, the same for every policy.
+    visible_px : float
+        Least error, and least change of it, that is seen.
     """
 
     scene: str
@@ -154,14 +129,12 @@ class Comparison:
     hardware: str
     budget_ms: float
     seed: int
-    frames: int
-    warmup: int
+    window_s: tuple[float, float]
+    visible_px: float
     conditions: ReplayConditions
     intervals: Intervals
     policies: tuple[PolicyResult, ...]
-    pareto: ParetoFront
-    beats: dict[str, dict[str, tuple[float | None, ...]]]
-    schema: Literal["lodbench.compare/1"] = SCHEMA
+    schema: Literal["lodbench.compare/2"] = SCHEMA
 
     def __repr__(self) -> str:
         outcomes = ", ".join(f"{policy.label} {policy.status}" for policy in self.policies)

@@ -13,8 +13,7 @@ from ..summary import HEADLINE, MetricColumn
 def headline(results: Results) -> tuple[Table]:
     """Best of each column in green, with the {level} interval below each value.
 
-    A policy marked “front” is beaten by no other in budget, lag, flicker and error at once.  An
-    oracle sees the true cost of frames; it shows what is possible and takes no part.
+    An oracle sees the true cost of frames; it shows what is possible and takes no part.
     """
     rows = [
         (_name(results, policy), *(_value(results, policy, column) for column in HEADLINE))
@@ -29,8 +28,7 @@ def _head(column: MetricColumn) -> Cell:
 
 
 def _name(results: Results, policy: PolicyResult) -> Cell:
-    on_front = policy.label in results.comparison.pareto.front
-    return results.name_of(policy, ("oracle",) * policy.oracle + ("front",) * on_front)
+    return results.name_of(policy, ("oracle",) * policy.oracle)
 
 
 def _value(results: Results, policy: PolicyResult, column: MetricColumn) -> Cell:

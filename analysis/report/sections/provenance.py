@@ -26,8 +26,9 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "timers", f"read {c.measurement_delay} frames after completion"
     yield "budget", f"{comparison.budget_ms:.6g} ms"
     yield "seed", str(comparison.seed)
-    yield "warm-up", f"the first {comparison.warmup} frames of each replay are not counted"
-    draws = f", pooled over {i.draws} posterior draws of the cost model" if i.draws else ""
-    sampled = f"{i.level:.0%} of {i.resamples} resamples of blocks of 1/{i.blocks} of the run"
-    yield "intervals", f"{sampled}{draws}; same blocks, draws and noise for every policy"
+    start_s, end_s = comparison.window_s
+    yield "window", f"{start_s:g} to {end_s:g} s of the path, the same for every policy"
+    yield "visible", f"errors, and changes of error, of {comparison.visible_px:g} px or more"
+    drawn = f"{i.level:.0%} of {i.draws} posterior draws of the cost model, the same for all"
+    yield "intervals", drawn if i.draws else "none: the profile has no posterior draws"
     yield "made by", f"lodbench {__version__}"

@@ -5,33 +5,30 @@ from typing import Any
 from ...metrics.metric import Metric
 from ...metrics.metric_registry import find_metric
 from ...study.comparison import PolicyResult
-from ..blocks import Chart, Paragraph
+from ..blocks import Chart
 from ..results import Results, section
 from ..style import panels, styled
 from ..values import metric_words
 
+_AXES = ("over_budget_time_fraction", "lag_ms_mean", "visible_pops_per_s", "visible_error_px")
+
 
 @section("Trade-offs")
-def tradeoffs(results: Results) -> tuple[Chart, Paragraph]:
+def tradeoffs(results: Results) -> tuple[Chart]:
     """Lower left is better in each.
 
-    Filled points are on the Pareto front over all four metrics, and bars are {level} intervals.
+    Bars are {level} intervals.
     """
-    chances = results.comparison.pareto.probability
-    listed = ", ".join(f"{label} {100 * p:.0f} %" for label, p in chances.items()) or "unknown"
-    text = f"Share of resamples in which a policy is on the front: {listed}."
-    return results.chart("pareto", _chart), Paragraph(text, "dim")
+    return (results.chart("tradeoffs", _chart),)
 
 
 def _chart(results: Results) -> Any:
     comparison = results.comparison
-    first, *others = (find_metric(name) for name in comparison.pareto.metrics)
+    first, *others = (find_metric(name) for name in _AXES)
     figure = panels(1, len(others), horizontal_spacing=0.07)
     for policy in comparison.ok:
         ink = results.inks[policy.label]
         marker = {"color": ink.color, "size": 11, "symbol": ink.symbol}
-        if policy.label not in comparison.pareto.front:
-            marker["symbol"] = f"{ink.symbol}-open"
         for column, other in enumerate(others, 1):
             x, x_error = _point(policy, first)
             y, y_error = _point(policy, other)

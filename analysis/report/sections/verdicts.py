@@ -7,11 +7,11 @@ from ..summary import best_labels, unscored
 from ..values import format_span, format_value
 
 _LEADERS = (
-    ("Budget kept best", "over_budget_fraction"),
+    ("Budget kept best", "over_budget_time_fraction"),
     ("Steadiest frames", "frame_ms_sd"),
     ("Least lag", "lag_ms_mean"),
-    ("Least flicker", "toggles_per_frame"),
-    ("Least error", "sse_px_p95"),
+    ("Least flicker", "visible_pops_per_s"),
+    ("Least error", "visible_error_px"),
 )
 _MOST_NAMED = 3
 """Policies of equal score that are named as leaders; the table below marks them all."""
