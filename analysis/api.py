@@ -15,7 +15,16 @@ from ..sim.faults import Faults
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions
 from ..sim.replay import replay as _replay
-from .study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
+from .study.inputs import (
+    WHOLE,
+    HardwareLike,
+    SceneLike,
+    Seconds,
+    TraceLike,
+    as_hardware,
+    as_scene,
+    as_trace,
+)
 
 if TYPE_CHECKING:  # loaded by the function that needs them
     from .gate.check_result import CheckReport
@@ -38,6 +47,7 @@ def replay(
     bound_every: int = 0,
     draw: int | None = None,
     memory_bytes: float | None = None,
+    visible_px: float = 1.0,
 ) -> FrameLog:
     """Replay a trace through a scene under one policy; return what happened, one row a frame.
 
@@ -61,6 +71,7 @@ def replay(
         bound_every=bound_every,
         draw=draw,
         memory_bytes=memory_bytes,
+        visible_px=visible_px,
     )
     path, machine = as_trace(trace, world), as_hardware(hardware)
     return _replay(spec.make(), world, path, machine, options, name=spec.label)
@@ -74,15 +85,15 @@ def compare(
     hardware: HardwareLike = "desktop-assumed",
     budget_ms: float | None = None,
     seed: int = 0,
-    frames: int | None = None,
+    seconds: Seconds = WHOLE,
+    warmup_s: float = 1.0,
+    visible_px: float = 1.0,
     fovy_deg: float = 60.0,
     crossfade_ms: float = 0.0,
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
     place: str = "shrink",
-    warmup: int = 30,
-    resamples: int = 200,
     draws: int = 16,
     workers: int = 1,
     scheduler: str | None = None,
@@ -103,6 +114,12 @@ def compare(
         One trace, for now: more are refused.
     budget_ms
         None for one refresh of the display.
+    seconds
+        The stretch of the path that is replayed, (start, end); an end of None is the path's.
+    warmup_s
+        Seconds at its start that do not count.
+    visible_px
+        Least error, and change of it, that is seen.
     workers
         Processes; 0 for as many as there are processors.  No policy is replayed in this process.
     scheduler
@@ -130,22 +147,21 @@ def compare(
         options = ReplayOptions(
             budget_ms=machine.budget_ms(budget_ms),
             seed=seed,
-            frames=frames,
             fovy_deg=fovy_deg,
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
             faults=faults or Faults(),
             memory_bytes=memory_bytes,
+            visible_px=visible_px,
         )
         comparison, logs = compare_specs(
             specs_of(default_policies() if policies is None else policies),
             world,
-            as_trace(_only(traces), world, place),
+            as_trace(_only(traces), world, place).stretch(*seconds),
             machine,
             options,
             CompareOptions(
-                warmup=warmup,
-                resamples=resamples,
+                warmup_s=warmup_s,
                 draws=draws,
                 workers=workers,
                 policy_limits=limits,
@@ -170,10 +186,10 @@ def check(
     budget_ms: float | None = None,
     seed: int = 0,
     seeds: int = 4,
-    frames: int | None = None,
-    warmup: int = 30,
+    seconds: Seconds = WHOLE,
+    warmup_s: float = 1.0,
+    visible_px: float = 1.0,
     draws: int = 16,
-    resamples: int = 200,
     place: str = "shrink",
     workers: int = 1,
     scheduler: str | None = None,
@@ -188,7 +204,8 @@ def check(
     limits
         TOML file; None for the 95th percentile of the work time within the budget and, if there is
         a baseline, the 99th of the frame time at most 2.5 % up.
-    budget_ms, workers, scheduler, policy_timeout_s, policy_memory_bytes
+    budget_ms, seconds, warmup_s, visible_px, workers, scheduler, policy_timeout_s,
+    policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -208,13 +225,13 @@ def check(
         hardware=hardware,
         budget_ms=budget_ms,
         seed=seed,
-        frames=frames,
-        warmup=warmup,
+        seconds=seconds,
+        warmup_s=warmup_s,
+        visible_px=visible_px,
         place=place,
     )
     options = MeasureOptions(
         seeds=seeds,
-        resamples=resamples,
         draws=draws,
         workers=workers,
         policy_limits=Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes),

@@ -61,10 +61,10 @@ def check(
     budget_ms: options.BudgetMs = None,
     seed: FirstSeed = 0,
     seeds: Seeds = 4,
-    frames: options.Frames = None,
-    warmup: options.Warmup = 30,
+    seconds: options.Seconds = "0:",
+    warmup_s: options.Warmup = 1.0,
+    visible_px: options.Visible = 1.0,
     draws: options.Draws = 16,
-    resamples: options.Resamples = 200,
     place: options.Place = "shrink",
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
@@ -77,6 +77,7 @@ def check(
     from ..analysis.gate.measurements import MeasureOptions, measure_run
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
+    from ..analysis.study.inputs import parse_seconds
     from ..base.files.writable import require_file_writable
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
@@ -94,13 +95,13 @@ def check(
             hardware=hardware,
             budget_ms=budget_ms,
             seed=seed,
-            frames=frames,
-            warmup=warmup,
+            seconds=parse_seconds(seconds),
+            warmup_s=warmup_s,
+            visible_px=visible_px,
             place=place,
         )
         sampling = MeasureOptions(
             seeds=seeds,
-            resamples=resamples,
             draws=draws,
             workers=workers,
             policy_limits=make_limits(policy_timeout, policy_memory),
@@ -138,7 +139,7 @@ def _update(
         print(f"FAILS: {broken[0].policy}: {broken[0].reason}", file=sys.stderr)
         raise Exit(1)
     write_baseline(path, make_baseline(conditions, measured, limits))
-    record = {"schema": "lodbench.check/1", "baseline": str(path)}
+    record = {"schema": "lodbench.check/2", "baseline": str(path)}
     print_result(record, f"baseline: {path}", as_json=as_json)
 
 

@@ -30,9 +30,7 @@ Images = Annotated[
 ImageEvery = Annotated[int, Option(help="Frames from picture to picture.")]
 Size = Annotated[str, Option(help="WIDTHxHEIGHT of the picture.")]
 Hardware = Annotated[str, Option(help="Profile that predictive policies go by.")]
-Frames = Annotated[
-    int | None, Option(help="Frames; else as long as the trace lasts, or 1200 to calibrate.")
-]
+Steps = Annotated[int, Option(help="Poses along the trace that --calibrate draws.")]
 CalibrationSeed = Annotated[int, Option(help="Seed of --calibrate.")]
 
 
@@ -51,7 +49,8 @@ def record(
     instancing: options.Instancing = False,
     hardware: Hardware = "llvmpipe",
     budget_ms: options.BudgetMs = None,
-    frames: Frames = None,
+    seconds: options.Seconds = "0:",
+    steps: Steps = 1200,
     repeats: options.Repeats = 5,
     threads: options.Threads = 0,
     seed: CalibrationSeed = 0,
@@ -60,7 +59,7 @@ def record(
     as_json: options.AsJson = False,
 ) -> None:
     """Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take."""
-    from ..analysis.study.inputs import load_trace
+    from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation.image_folder import image_folder
     from ..analysis.validation.recordings import RecordOptions, open_recorder, summary_of
     from ..models.machine.profile_catalog import load_hardware
@@ -75,11 +74,15 @@ def record(
         raise InputError(f"record: expected --policy or --calibrate, got {got}; give one")
     profile = recorded_hardware(load_hardware(hardware), parse_size(size))
     opened = open_named_scene(scene)
-    path = load_trace(trace, opened.scene, place)
+    path = load_trace(trace, opened.scene, place).stretch(*parse_seconds(seconds))
     budget = profile.budget_ms(budget_ms)
-    replay = ReplayOptions(budget_ms=budget, seed=seed, frames=frames, fovy_deg=fovy_deg)
+    replay = ReplayOptions(budget_ms=budget, seed=seed, fovy_deg=fovy_deg)
     drawing = RecordOptions(
-        backend=backend, instancing=instancing, repeats=repeats, threads=threads
+        backend=backend,
+        instancing=instancing,
+        repeats=repeats,
+        threads=threads,
+        calibration_steps=steps,
     )
     with (
         image_folder(images, image_every) as pictures,

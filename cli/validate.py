@@ -27,6 +27,8 @@ POLICIES = (
 )
 """Policies of different kinds: none, by distance, by size, from measured times, from a model."""
 
+_FIRST_S = 10.0
+
 
 Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]
 Policies = Annotated[
@@ -48,7 +50,10 @@ Out = Annotated[
     ),
 ]
 Size = Annotated[str | None, Option(help="WIDTHxHEIGHT of the picture; else the profile's.")]
-Seconds = Annotated[float, Option(help="How much of the trace, from its start.")]
+Seconds = Annotated[
+    str | None,
+    Option(metavar="A:B", help="Stretch of the path, such as 5:20; else its first 10 seconds."),
+]
 Passes = Annotated[
     int, Option(help="Recordings of each policy; a second shows the machine's own noise.")
 ]
@@ -65,12 +70,11 @@ def validate(
     out: Out = None,
     budget_ms: options.BudgetMs = None,
     size: Size = None,
-    seconds: Seconds = 10.0,
+    seconds: Seconds = None,
     passes: Passes = 2,
     repeats: options.Repeats = 3,
-    warmup: options.Warmup = 30,
+    warmup_s: options.Warmup = 1.0,
     draws: options.Draws = 16,
-    resamples: options.Resamples = 200,
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
@@ -85,7 +89,7 @@ def validate(
     """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
     from ..analysis.study.compare import CompareOptions
     from ..analysis.study.engine.limits import make_limits
-    from ..analysis.study.inputs import load_trace
+    from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation import replays
     from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
     from ..analysis.validation.validate import require_other_frames, require_priced
@@ -109,13 +113,15 @@ def validate(
         own_size = profile.display.width_px, profile.display.height_px
         profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
         opened = open_named_scene(scene)
-        path = replays.cut_trace(load_trace(trace, opened.scene, place), seconds)
-        require_other_frames(profile, opened.scene.name, path.name)
+        whole = load_trace(trace, opened.scene, place)
+        require_other_frames(profile, opened.scene.name, whole.name)
+        path = whole.stretch(
+            *((0.0, min(_FIRST_S, whole.duration_s)) if seconds is None else parse_seconds(seconds))
+        )
         require_priced(profile)
         require_recordable(labels, opened.scene)
         scoring = CompareOptions(
-            warmup=warmup,
-            resamples=resamples,
+            warmup_s=warmup_s,
             draws=draws,
             workers=workers,
             policy_limits=limits,

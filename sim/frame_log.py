@@ -49,10 +49,12 @@ COUNTS = (
     "select_ms",  # part of cpu_ms (noise-free) that the policy's work cost
     *(name for name in CPU_PREDICTORS if name not in (*CONSTANT, *GPU_PREDICTORS)),
     "toggles",
+    "visible_pops",  # switches that change the projected error by `visible_px` or more
     "reversals",
     "popping_px",
     "sse_px_p95",
     "sse_px_max",
+    "visible_error_area_px",  # mean over nodes, by area, of their error beyond `visible_px`
     "benefit",
     "full_benefit",
     "benefit_bound",  # most benefit that any selection of this cost can have; NaN if not computed
@@ -78,6 +80,7 @@ class LogHeader:
     display_mode, refresh_hz : screen of the replay
     memory_bound_bytes : loader's or device's memory
     oracle : whether the policy saw the future
+    visible_px : least error, and change of error, that is seen
     """
 
     policy: str
@@ -90,6 +93,7 @@ class LogHeader:
     refresh_hz: float
     memory_bound_bytes: float
     oracle: bool = False
+    visible_px: float = 1.0
 
 
 def _spread(values: NDArray[Any]) -> tuple[float | None, ...]:

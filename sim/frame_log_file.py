@@ -11,7 +11,7 @@ from ..base.files.strict_json import decode_json
 from ..base.files.whole_file import whole_file
 from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
 
-_SCHEMA = "lodbench.frame-log/1"
+_SCHEMA = "lodbench.frame-log/2"
 _ADVICE = "give frames/<policy>.parquet of a run of `lodbench compare`"
 
 

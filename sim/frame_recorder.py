@@ -48,6 +48,7 @@ _ROW = (
     "toggles",
     "reversals",
     "popping_px",
+    "visible_pops",
     "memory_bytes",
     "loaded_bytes",
     "visible",
@@ -56,6 +57,7 @@ _ROW = (
     "full_gpu_ms",
     "sse_px_p95",
     "sse_px_max",
+    "visible_error_area_px",
     "benefit",
     "full_benefit",
     "benefit_bound",
@@ -91,11 +93,13 @@ class FrameRecorder:
     ) -> None:
         costs = FrameCost(truth, scene.types.levels)
         self._accounting = Accounting(
-            scene, costs, round(options.crossfade_ms * _NS_PER_MS), camera
+            scene, costs, round(options.crossfade_ms * _NS_PER_MS), camera, options.visible_px
         )
-        self._fronts = None if tree is None else Fronts(tree, self._accounting.viewport_px)
+        self._fronts = (
+            None if tree is None else Fronts(tree, self._accounting.viewport_px, options.visible_px)
+        )
         self._quality = FlatQuality(scene) if tree is None else TreeQuality(tree)
-        self._errors = ScreenErrors()
+        self._errors = ScreenErrors(options.visible_px)
         self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
         self._index_sets = IndexSets(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
@@ -136,6 +140,7 @@ class FrameRecorder:
                 switches.toggles,
                 switches.reversals,
                 switches.popping_px,
+                switches.visible_pops,
                 self._memory.memory_bytes,
                 self._newly_loaded(),
                 *self._shown(view, selection.render_scale, drawn, tally),

@@ -55,6 +55,7 @@ def replay(
         hardware.display.refresh_hz,
         options.memory_bytes or hardware.memory_bytes,
         policy.capabilities.future,
+        options.visible_px,
     )
     times_ns = np.empty((len(pipeline.input_ns), len(TIMES)), dtype=np.int64)
     for column, time in enumerate(TIMES):

@@ -1,4 +1,4 @@
-"""How to replay: budget, seed, length, field of view, and what the simulator adds or leaves out."""
+"""How to replay: budget, seed, field of view, what is seen, and what the simulator adds."""
 
 import math
 from dataclasses import dataclass, field
@@ -21,7 +21,8 @@ class ReplayOptions:
     seed : int
         Root of all noise; the noise of frame k is the same under every policy.
     frames : int or None
-        Frames to render; None for as long as the trace lasts.
+        Frames to render at most, for tests and timings; None for as long as the trace lasts, as
+        all do that are compared.
     fovy_deg : float
         Vertical field of view.
     crossfade_ms : float
@@ -37,6 +38,8 @@ class ReplayOptions:
         Posterior draw that plays the truth; None for the profile's mean.
     memory_bytes : float or None
         Bound of the loader; None for the profile's.
+    visible_px : float
+        Least error on the screen, and least change of it, that is seen.
     """
 
     budget_ms: float
@@ -49,6 +52,7 @@ class ReplayOptions:
     bound_every: int = 0
     draw: int | None = None
     memory_bytes: float | None = None
+    visible_px: float = 1.0  # as meshoptimizer, Godot and Nanite's authors have it
 
     def __post_init__(self) -> None:
         self._require_types()
@@ -64,6 +68,8 @@ class ReplayOptions:
             )
         if self.memory_bytes is not None and not 0.0 < self.memory_bytes < math.inf:
             raise InputError(f"memory: expected bytes > 0, got {self.memory_bytes}")
+        if not (math.isfinite(self.visible_px) and self.visible_px >= 0.0):
+            raise InputError(f"visible: expected pixels >= 0, got {self.visible_px}")
 
     def require_end(self, trace: str, frames: float) -> None:
         """Raise InputError if a trace takes too many frames, and their number is not limited.
@@ -90,7 +96,7 @@ class ReplayOptions:
             require_whole(self.frames, "frames")
         if self.draw is not None:
             require_whole(self.draw, "draw", 0)
-        for name in ("budget_ms", "fovy_deg", "crossfade_ms", "memory_bytes"):
+        for name in ("budget_ms", "fovy_deg", "crossfade_ms", "visible_px", "memory_bytes"):
             value = getattr(self, name)
             if value is not None or name != "memory_bytes":
                 require_real(value, name)

@@ -9,7 +9,7 @@ from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
 from ..analysis.gate.limits_file import choose_limits
 from ..analysis.gate.measurements import MeasureOptions
 from ..analysis.gate.plain_text import describe, describe_failures
-from ..analysis.study.inputs import load_trace
+from ..analysis.study.inputs import WHOLE, Seconds, load_trace
 from ..models.machine.hardware import HardwareProfile
 from ..models.machine.profile_catalog import load_hardware
 from ..models.scene.scene import Scene
@@ -38,8 +38,8 @@ class FrameBudget:
     budget_ms: float | None = None
     seed: int = 0
     seeds: int = 4
-    frames: int | None = None
-    warmup: int = 30
+    seconds: Seconds = WHOLE
+    warmup_s: float = 1.0
     strict: bool = False
 
 
@@ -70,8 +70,8 @@ def assert_budget(
         hardware=chosen.hardware,
         budget_ms=chosen.budget_ms,
         seed=chosen.seed,
-        frames=chosen.frames,
-        warmup=chosen.warmup,
+        seconds=chosen.seconds,
+        warmup_s=chosen.warmup_s,
     )
     conditions, measured = measure_plan(plan, MeasureOptions(seeds=chosen.seeds))
     report = judge_measured(limits, measured, conditions, chosen.baseline, strict=chosen.strict)
@@ -89,9 +89,9 @@ def replay_policy(
     budget: FrameBudget | None = None,
     *,
     seed: int | None = None,
-    frames: int | None = None,
+    seconds: Seconds | None = None,
 ) -> FrameLog:
-    """Replay a policy in a scene on a trace; seed and frames may be others than the budget's.
+    """Replay a policy in a scene on a trace; seed and stretch may be others than the budget's.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def replay_policy(
     options = ReplayOptions(
         budget_ms=profile.budget_ms(chosen.budget_ms),
         seed=chosen.seed if seed is None else seed,
-        frames=chosen.frames if frames is None else frames,
     )
+    path = path.stretch(*(chosen.seconds if seconds is None else seconds))
     name = name_policy(policy)
     return replay(parse_policy(name).make(), world, path, profile, options, name=name)

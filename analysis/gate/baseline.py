@@ -15,16 +15,16 @@ from ...base.files.whole_file import write_whole
 from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 
-_SCHEMA = "lodbench.baseline/1"
+_SCHEMA = "lodbench.baseline/2"
 _UPDATE = "write it again with `lodbench check --update-baseline`"
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A metric of a policy, scene and trace: its value, and R resampled values of it."""
+    """A metric of a policy, scene and trace: its mean, and its value under each seed."""
 
     value: float
-    resampled: list[float]
+    by_seed: list[float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,20 +39,19 @@ class _Case:
 class Baseline:
     """Metrics that had a relative limit when the baseline was written.
 
-    Every resample is of the same seeds and of the same windows of the camera's path as in a later
-    check under the same conditions.
+    Its seeds are those of a later check under the same conditions.
     """
 
     conditions: Conditions
     cases: list[_Case] = field(default_factory=list[_Case])
-    schema: Literal["lodbench.baseline/1"] = _SCHEMA
+    schema: Literal["lodbench.baseline/2"] = _SCHEMA
 
     def find(self, measured: MeasuredPolicy, metric: str) -> tuple[float, FloatArray] | None:
-        """Return value and resamples of a metric, or None if the baseline does not have it."""
+        """Return a metric's mean and its values by seed, None if the baseline lacks it."""
         for case in self.cases:
             if (case.policy, case.scene, case.trace) == measured.case and metric in case.metrics:
                 entry = case.metrics[metric]
-                return entry.value, np.array(entry.resampled)
+                return entry.value, np.array(entry.by_seed)
         return None
 
 
@@ -66,10 +65,9 @@ def make_baseline(
         entries: dict[str, Entry] = {}
         for metric in wanted:
             score = item.scores.get(metric)
-            if score is not None and score.value is not None and metric in item.paired:
-                # Only a resample in which nothing of the kind happened is NaN.
-                resampled = np.nan_to_num(item.paired[metric], nan=score.value)
-                entries[metric] = Entry(score.value, resampled.tolist())
+            values = [value for value in item.by_seed.get(metric, []) if value is not None]
+            if score is not None and score.value is not None and len(values) == conditions.seeds:
+                entries[metric] = Entry(score.value, values)
         if entries:
             cases.append(_Case(*item.case, entries))
     return Baseline(conditions, sorted(cases, key=lambda c: (c.scene, c.trace, c.policy)))
@@ -100,11 +98,11 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
         metric
         for case in baseline.cases
         for metric, entry in case.metrics.items()
-        if len(entry.resampled) != conditions.resamples
+        if len(entry.by_seed) != conditions.seeds
     ]
     if short:
         raise InputError(
-            f"expected {conditions.resamples} resamples of {short[0]}, got another number; "
+            f"expected {conditions.seeds} values of {short[0]}, a seed each, got another number; "
             f"{_UPDATE}",
             path=path,
         )

@@ -1,14 +1,23 @@
 """Run what a check asks for and judge it: the one path of the command and of failing tests."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
 from ...base.errors import InputError
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.replay import ReplayOptions
-from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene, as_trace
+from ..study.inputs import (
+    WHOLE,
+    HardwareLike,
+    SceneLike,
+    Seconds,
+    TraceLike,
+    as_hardware,
+    as_scene,
+    as_trace,
+)
 from ..study.runs import Progress
 from ..study.score import World
 from .baseline import read_baseline
@@ -27,6 +36,10 @@ class CheckPlan:
     scenes, traces, hardware : bundled names, files, or what was loaded from them
     budget_ms : float or None
         None for one refresh of the display.
+    seconds : (start, end)
+        The stretch of each trace that is replayed; the end is None for the trace's.
+    warmup_s : float
+        Seconds at the start of it that do not count.
     place : str
         How the trace of a file is put into a scene.
     """
@@ -37,8 +50,9 @@ class CheckPlan:
     hardware: HardwareLike = "desktop-assumed"
     budget_ms: float | None = None
     seed: int = 0
-    frames: int | None = None
-    warmup: int = 30
+    seconds: Seconds = WHOLE
+    warmup_s: float = 1.0
+    visible_px: float = 1.0
     place: str = "shrink"
 
 
@@ -54,7 +68,7 @@ def measure_plan(
         raise InputError("policy: expected the policies to check, got none; name one")
     profile = as_hardware(plan.hardware)
     budget_ms = profile.budget_ms(plan.budget_ms)
-    options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, frames=plan.frames)
+    options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, visible_px=plan.visible_px)
     specs = specs_of(plan.policies)
     results: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
     for scene, item in product(map(as_scene, plan.scenes), plan.traces):
@@ -62,9 +76,15 @@ def measure_plan(
         names = (scene.name, trace.name)
         if names in results:
             raise InputError(f"expected scenes and traces of different names, got {names} twice")
-        world = World(scene, trace, profile, options, plan.warmup)
+        path = trace.stretch(*plan.seconds)
+        world = World(scene, path, profile, options, plan.warmup_s)
         share = progress and _share(progress, len(results), len(plan.scenes) * len(plan.traces))
-        results[names] = measure(specs, world, sampling, share)
+        conditions, measured = measure(specs, world, sampling, share)
+        # Limits name the path; which stretch of it is a condition, the same for all.
+        results[names] = (
+            replace(conditions, seconds=plan.seconds),
+            [replace(one, trace=trace.name) for one in measured],
+        )
     conditions = next(iter(results.values()))[0]
     return conditions, [item for _, measured in results.values() for item in measured]
 

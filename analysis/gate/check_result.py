@@ -13,7 +13,7 @@ from .measurements import Conditions, MeasuredPolicy
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SCHEMA = "lodbench.check/1"
+SCHEMA = "lodbench.check/2"
 
 
 _COLUMNS = (
@@ -39,7 +39,7 @@ class CheckReport:
     conditions: Conditions
     verdicts: tuple[Verdict, ...]
     unused: tuple[str, ...] = ()
-    schema: Literal["lodbench.check/1"] = SCHEMA
+    schema: Literal["lodbench.check/2"] = SCHEMA
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{self.count(outcome)} {outcome}" for outcome in get_args(Outcome))

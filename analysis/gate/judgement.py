@@ -1,4 +1,4 @@
-"""Whether a limit holds, judged on the interval and not on the value."""
+"""Whether a limit holds, judged on the interval, and on the value where there is no interval."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,15 +6,14 @@ from typing import Literal
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ..verdict.uncertainty import LEVEL
 from .baseline import Baseline
 from .limits import Limit
-from .measurements import Conditions, MeasuredPolicy
+from .measurements import Conditions, MeasuredPolicy, interval
 from .worst_frame import WorstFrame, find_worst
 
 Outcome = Literal["passes", "fails", "undecided"]
 
-_MORE = "run more frames or seeds"
+_MORE = "run more seeds"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +78,7 @@ def judge(
     """Return whether a limit holds for a measured policy.
 
     It fails if the whole interval lies beyond the limit, passes if none of it does, and is
-    undecided in between.
+    undecided in between.  One replicate has no interval: then the value decides.
     """
     score = measured.scores[limit.metric]
     change: Change | None = None
@@ -92,7 +91,7 @@ def judge(
         outcome, reason = _absolute(score.value, ends, sign, bound)
     worst = None
     if score.value is not None:
-        worst = find_worst(measured.logs, conditions.warmup, limit.metric)
+        worst = find_worst(measured.logs, conditions.warmup_s, limit.metric)
     text = limit.describe(conditions.budget_ms, conditions.refresh_hz)
     judged = (*measured.case, limit.metric, outcome, text, limit.line)
     return Verdict(*judged, score.value, score.low, score.high, score.unit, change, reason, worst)
@@ -106,7 +105,7 @@ def _absolute(
     if value is None:
         return "undecided", "the run has no value: nothing of the kind happened"
     if better is None or worse is None:
-        return "undecided", f"one event says nothing of its spread; {_MORE}"
+        better = worse = value
     return _decide(sign * (better - bound), sign * (worse - bound))
 
 
@@ -120,18 +119,18 @@ def _decide(better: float, worse: float) -> tuple[Outcome, str | None]:
 def _relative(
     limit: Limit, measured: MeasuredPolicy, conditions: Conditions, baseline: Baseline | None
 ) -> tuple[Outcome, str | None, Change | None]:
-    """Judge the change from the baseline, resample by resample."""
+    """Judge the change from the baseline, seed by seed."""
     score = measured.scores[limit.metric]
     before = None if baseline is None else baseline.find(measured, limit.metric)
     if before is None:
         return "undecided", "the baseline has no such value; update it", None
-    now, (base, then) = measured.paired.get(limit.metric), before
-    if score.value is None or now is None or np.isnan(now).all():
-        return "undecided", f"the run says nothing of its spread; {_MORE}", None
-    difference = now - then
-    allowed = _allowed(limit, conditions, then)
+    base, then = before
+    values = [value for value in measured.by_seed[limit.metric] if value is not None]
+    if score.value is None or len(values) < len(then):
+        return "undecided", f"not every seed has a value; {_MORE}", None
+    difference = np.array(values) - then
     rise = difference if limit.kind == "max_increase" else -difference
-    better, worse = _ends(rise - allowed)
+    better, worse = _ends(rise - _allowed(limit, conditions, then))
     share = 100.0 / abs(base) if base else 1.0
     low, high = _ends(share * difference)
     unit = "%" if base else score.unit
@@ -140,7 +139,7 @@ def _relative(
 
 
 def _allowed(limit: Limit, conditions: Conditions, then: FloatArray) -> FloatArray:
-    """Return by how much each resample may change."""
+    """Return by how much the value under each seed may change."""
     amount = limit.amount.resolve(conditions.budget_ms, conditions.refresh_hz)
     allowed = (
         amount * np.abs(then) if limit.amount.measure == "share" else np.full_like(then, amount)
@@ -151,7 +150,8 @@ def _allowed(limit: Limit, conditions: Conditions, then: FloatArray) -> FloatArr
 
 
 def _ends(values: FloatArray) -> tuple[float, float]:
-    """Return the ends of the interval of resampled changes, of those that have a value."""
-    tail = (1.0 - LEVEL) / 2.0
-    low, high = np.nanquantile(values, (tail, 1.0 - tail))
-    return float(low), float(high)
+    """Return the ends of the interval of a mean over seeds; of one seed, its value twice."""
+    low, high = interval(values.tolist())
+    if low is None or high is None:
+        return float(values[0]), float(values[0])
+    return low, high

@@ -1,8 +1,7 @@
-"""What a gate judges: every metric of a policy with its interval, over several seeds.
+"""What a gate judges: every metric of a policy, over several seeds of noise on this path.
 
-Seeds are the same in the baseline, and resample r is of the same windows of the camera's path in
-both, so that what the two runs share does not blur their difference (common random numbers; Law,
-Simulation Modeling and Analysis, chapter 11).
+Seeds are the same in the baseline, so that what the two runs share does not blur their difference
+(common random numbers; Law, Simulation Modeling and Analysis, chapter 11).
 """
 
 from collections.abc import Sequence
@@ -11,18 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.arrays import FloatArray
 from ...base.errors import require_whole
 from ...policies.policy_spec import PolicySpec
 from ...sim.frame_log import FrameLog
-from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..study.comparison import Score
 from ..study.comparison_folder import read_results
 from ..study.engine.limits import DEFAULT_LIMITS, Limits
+from ..study.inputs import WHOLE, Seconds
 from ..study.runs import Progress, Runs, choose_draws, run_policies
-from ..study.score import Scored, World, resample
-from ..verdict.uncertainty import Pool, interval
+from ..study.score import World
+
+LEVEL = 0.9
+"""Coverage of the intervals."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +33,6 @@ class MeasureOptions:
     ----------
     seeds : int
         Replays of each policy, with successive seeds.
-    resamples : int
-        Bootstrap resamples.
     draws : int
         Posterior draws of the cost model to replay under each seed, if the profile has them.
     workers : int
@@ -45,15 +43,14 @@ class MeasureOptions:
         Address of a Dask scheduler in place of processes here.
     """
 
-    seeds: int = 4  # enough to find 5 % more in the 99th percentile of 200 frames; see docs/ci.md
-    resamples: int = 200
+    seeds: int = 4
     draws: int = 16
     workers: int = 1
     policy_limits: Limits = DEFAULT_LIMITS
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        for name, low in (("seeds", 1), ("resamples", 10), ("draws", 0), ("workers", 0)):
+        for name, low in (("seeds", 1), ("draws", 0), ("workers", 0)):
             require_whole(getattr(self, name), name, low)
 
 
@@ -66,9 +63,9 @@ class Conditions:
     refresh_hz: float
     seed: int
     seeds: int
-    resamples: int
-    warmup: int
-    frames: int | None
+    warmup_s: float
+    visible_px: float
+    seconds: Seconds = WHOLE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,10 +79,10 @@ class MeasuredPolicy:
     failed : bool
         Whether that is because the policy broke its contract, not because it does not apply.
     scores : dict of str to Score
-        Mean over seeds, and the interval over resamples and draws of the cost model.
-    paired : dict of str to (R,) float64
-        Resampled means over seeds under the profile's own cost model, to be compared with the same
-        of a baseline.
+        Mean over seeds, and its interval: over seeds, or over draws of the cost model where there
+        are any; none where there is only one of either.
+    by_seed : dict of str to list of float or None
+        Values under the profile's own cost model, to be compared with the same of a baseline.
     logs : tuple of FrameLog
         One a seed.
     """
@@ -96,7 +93,7 @@ class MeasuredPolicy:
     reason: str | None = None
     failed: bool = False
     scores: dict[str, Score] = field(default_factory=dict[str, Score])
-    paired: Pool = field(default_factory=dict[str, FloatArray])
+    by_seed: dict[str, list[float | None]] = field(default_factory=dict[str, list[float | None]])
     logs: tuple[FrameLog, ...] = ()
 
     @property
@@ -113,19 +110,17 @@ def measure(
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay each policy under successive seeds, from the one of the world's options on.
 
-    Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
-    be warm-up.
+    Raises `InputError` if a policy is given twice, its parameters are refused, or all of the path
+    would be warm-up.
     """
     options = world.options
     seeds = range(options.seed, options.seed + sampling.seeds)
     draws = choose_draws(world.hardware, sampling.draws)
-    resamples = (sampling.resamples, -(-sampling.resamples // max(len(draws), 1)))
     runs = run_policies(
         policies,
         world,
         seeds,
         draws,
-        resamples,
         sampling.workers,
         progress,
         limits=sampling.policy_limits,
@@ -139,9 +134,8 @@ def measure(
         world.hardware.display.refresh_hz,
         options.seed,
         sampling.seeds,
-        sampling.resamples,
-        world.warmup,
-        options.frames,
+        world.warmup_s,
+        options.visible_px,
     )
     return conditions, measured
 
@@ -151,51 +145,39 @@ def _measured(names: tuple[str, str, str], runs: Runs) -> MeasuredPolicy:
         failed = runs.failure.kind == "failed"
         reason = str(runs.failure) if failed else f"not applicable: {runs.failure}"
         return MeasuredPolicy(*names, reason, failed)
-    means = runs.means
-    paired = _pool(means)
-    pools = [_pool(drawn) for drawn in runs.drawn] or [paired]
     scores: dict[str, Score] = {}
+    by_seed: dict[str, list[float | None]] = {}
     for metric in METRICS:
-        known = [value for run in means if (value := run.values[metric.id]) is not None]
+        by_seed[metric.id] = [run.values[metric.id] for run in runs.means]
+        known = [value for value in by_seed[metric.id] if value is not None]
+        low, high = _over_draws(runs, metric.id) if runs.drawn else interval(known)
         value = float(np.mean(known)) if known else None
-        every = [pool[metric.id] for pool in pools if metric.id in pool]
-        low, high = interval(np.concatenate(every) if len(every) == len(pools) else None)
         scores[metric.id] = Score(value, low, high, metric.unit, metric.better)
-    logs = tuple(run.log for run in means if run.log is not None)
-    return MeasuredPolicy(*names, None, False, scores, paired, logs)
+    logs = tuple(run.log for run in runs.means if run.log is not None)
+    return MeasuredPolicy(*names, None, False, scores, by_seed, logs)
 
 
-def _pool(runs: list[Scored]) -> Pool:
-    """Return resampled means over seeds, by metric."""
-    pool: Pool = {}
-    for metric in METRICS:
-        arrays = [run.resampled[metric.id] for run in runs if metric.id in run.resampled]
-        known = [value for run in runs if (value := run.values[metric.id]) is not None]
-        if len(arrays) == len(runs):
-            pool[metric.id] = _mean(np.array(arrays))
-        elif len(known) == len(runs) > 1:
-            count = max(len(array) for run in runs for array in run.resampled.values())
-            pool[metric.id] = _mean_over_seeds(np.array(known), count)
-    return pool
+def _over_draws(runs: Runs, metric: str) -> tuple[float | None, float | None]:
+    """Return the ends that hold `LEVEL` of the draws' means over seeds."""
+    rows = [[run.values[metric] for run in seeds] for seeds in runs.drawn]
+    known = [[value for value in row if value is not None] for row in rows]
+    if not all(known):
+        return None, None
+    ends = ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0)
+    low, high = np.quantile([np.mean(row) for row in known], ends)
+    return float(low), float(high)
 
 
-def _mean(values: FloatArray) -> FloatArray:
-    """Return the mean of the rows, NaN aside; NaN where a column has nothing else."""
-    count = np.count_nonzero(~np.isnan(values), axis=0)
-    total = np.nansum(values, axis=0)
-    return np.divide(total, count, out=np.full(len(count), np.nan), where=count > 0)
-
-
-def _mean_over_seeds(values: FloatArray, count: int) -> FloatArray:
-    """Return resampled means of values of which a run has only one, such as its single step.
-
-    Seeds are resampled, the same ones here and in the baseline; deviations are widened by
-    sqrt(n / (n - 1)), since the bootstrap of n values has n - 1 in place of n in its variance.
-    """
+def interval(values: Sequence[float]) -> tuple[float | None, float | None]:
+    """Return Student's interval of the mean of replicates, None and None of fewer than two."""
     n = len(values)
-    chosen = np.random.default_rng(n).integers(0, n, (count, n))
-    deviation = values[chosen].mean(axis=1) - values.mean()
-    return values.mean() + deviation * np.sqrt(n / (n - 1))
+    if n < 2:
+        return None, None
+    from scipy.stats import t
+
+    middle, sd = float(np.mean(values)), float(np.std(values, ddof=1))
+    half = float(t.ppf(0.5 + 0.5 * LEVEL, n - 1)) * sd / n**0.5
+    return middle - half, middle + half
 
 
 def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
@@ -204,7 +186,6 @@ def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
     Raises `InputError` if a file is missing, broken, or of another run.
     """
     comparison, logs = read_results(folder)
-    count = comparison.intervals.resamples
     measured: list[MeasuredPolicy] = []
     for policy in comparison.policies:
         names = (policy.label, comparison.scene, comparison.trace)
@@ -213,19 +194,16 @@ def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
             reason = policy.reason if failed else f"not applicable: {policy.reason}"
             measured.append(MeasuredPolicy(*names, reason, failed))
             continue
-        run = MeasuredFrames(logs[policy.label], comparison.warmup)
-        statistics = {metric.id: metric(run) for metric in METRICS}
-        paired = resample(run, statistics, comparison.seed, 0, count)
-        logged = (run.log,)
-        measured.append(MeasuredPolicy(*names, None, False, policy.metrics, paired, logged))
+        by_seed = {name: [score.value] for name, score in policy.metrics.items()}
+        logged = (logs[policy.label],)
+        measured.append(MeasuredPolicy(*names, None, False, policy.metrics, by_seed, logged))
     conditions = Conditions(
         comparison.hardware,
         comparison.budget_ms,
         comparison.conditions.refresh_hz,
         comparison.seed,
         1,
-        count,
-        comparison.warmup,
-        None,
+        comparison.window_s[0],
+        comparison.visible_px,
     )
     return conditions, measured

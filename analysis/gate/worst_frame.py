@@ -1,6 +1,6 @@
 """The frame that is worst by a metric, and where the camera was."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,6 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import MeasuredFrames
-from ..metrics.metric_registry import find_metric
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +22,7 @@ class WorstFrame:
     time_s : float
         Of the trace, when the camera was sampled.
     value : float
-        What the metric takes from this frame.
+        What the metric is made of, in this frame.
     camera_m : (x, y, z)
     """
 
@@ -34,36 +33,44 @@ class WorstFrame:
     camera_m: tuple[float, float, float]
 
 
-def find_worst(logs: Sequence[FrameLog], warmup: int, metric_id: str) -> WorstFrame | None:
-    """Return the worst frame of all replays, or None where no frame bears on the metric."""
-    metric = find_metric(metric_id)
-    # A rate in frames a second is made of times, whose worst is the longest.
-    largest = metric.better == "lower" or metric.unit == "fps"
+def find_worst(logs: Sequence[FrameLog], warmup_s: float, metric_id: str) -> WorstFrame | None:
+    """Return the worst frame of all replays, or None where no single frame is to blame."""
+    series = next((get for start, get in _SERIES.items() if metric_id.startswith(start)), None)
+    if series is None:
+        return None
     worst: tuple[float, FrameLog, int] | None = None
     for log in logs:
-        statistic = metric(MeasuredFrames(log, warmup))
-        if statistic is None or not statistic.support:
-            continue
-        values = _per_frame(statistic.series)
-        badness = np.where(np.isnan(values), -np.inf, values if largest else -values)
-        at = int(badness.argmax())
-        if worst is None or badness[at] > worst[0]:
-            worst = float(badness[at]), log, warmup + at
+        run = MeasuredFrames(log, warmup_s)
+        values = np.nan_to_num(series(run), nan=-np.inf)
+        at = int(values.argmax())
+        if worst is None or values[at] > worst[0]:
+            worst = float(values[at]), log, run.first + at
     if worst is None or not np.isfinite(worst[0]):
         return None
-    badness, log, frame = worst
+    value, log, frame = worst
     x, y, z = (float(log[axis][frame]) for axis in ("x_m", "y_m", "z_m"))
-    return WorstFrame(
-        log.header.seed,
-        frame,
-        float(log["input_ns"][frame]) * 1e-9,
-        badness if largest else -badness,
-        (x, y, z),
-    )
+    seconds = float(log["input_ns"][frame]) * 1e-9
+    return WorstFrame(log.header.seed, frame, seconds, value, (x, y, z))
 
 
-def _per_frame(series: tuple[FloatArray, ...]) -> FloatArray:
-    if len(series) == 1:
-        return series[0]
-    top, bottom = series
-    return np.divide(top, bottom, out=np.full(len(top), np.nan), where=bottom > 0.0)
+_SERIES: dict[str, Callable[[MeasuredFrames], FloatArray]] = {
+    **dict.fromkeys(
+        ("work_ms", "over_budget", "longest_over", "utilisation"), lambda run: run.work_ms
+    ),
+    **dict.fromkeys(
+        ("frame_ms", "fps_low1", "hitches", "stutter", "missed_vsync"), lambda run: run.frame_ms
+    ),
+    "lag_ms": lambda run: run.lag_ms,
+    "visible_pops": lambda run: run["visible_pops"],
+    "toggles": lambda run: run["toggles"],
+    "reversals": lambda run: run["reversals"],
+    "popping_px": lambda run: run["popping_px"],
+    "visible_error_px": lambda run: run["sse_px_p95"],
+    "visible_error_area_px": lambda run: run["visible_error_area_px"],
+    "sse_px_p95": lambda run: run["sse_px_p95"],
+    "sse_px_worst": lambda run: run["sse_px_max"],
+    "missing_objects": lambda run: run["missing"],
+    "select_ms": lambda run: run["select_ms"],
+    "triangles": lambda run: run["triangles"],
+}
+"""What of a frame the metrics of these names are made of, largest where it is worst."""

@@ -5,39 +5,40 @@ import numpy as np
 from ...base.arrays import FloatArray
 from .measured_frames import MeasuredFrames
 from .metric import metric
-from .statistic import Statistic, mean, quantile, sd
+from .over_frames import frame_mean, frame_sd
+from .over_time import time_mean, time_quantile
 from .steps import find_steps
 
 
 @metric("lag", "ms", "lower")
-def lag_ms_mean(run: MeasuredFrames) -> Statistic:
-    """Mean time from the sample of the camera to the display of its frame.
+def lag_ms_mean(run: MeasuredFrames) -> float | None:
+    """Mean over time of the time from the sample of the camera to the display of its frame.
 
     Source: lag of Wloka, Presence 4(1), 1995, without the input device; PresentMon DisplayLatency.
     """
-    return mean(run.lag_ms)
+    return time_mean(run.lag_ms, run.cost_weight_ms)
 
 
 @metric("lag", "ms", "lower")
-def lag_ms_p99(run: MeasuredFrames) -> Statistic:
-    """99th percentile of the time from the sample of the camera to the display of its frame.
+def lag_ms_p99(run: MeasuredFrames) -> float | None:
+    """99th percentile over time of the time from the sample of the camera to its frame's display.
 
     Source: as lag_ms_mean.
     """
-    return quantile(run.lag_ms, 0.99)
+    return time_quantile(run.lag_ms, run.cost_weight_ms, 0.99)
 
 
 @metric("lag", "ms", "lower")
-def animation_error_ms_mean(run: MeasuredFrames) -> Statistic:
-    """Mean, without sign, of step between camera samples minus step between displays.
+def animation_error_ms_mean(run: MeasuredFrames) -> float | None:
+    """Mean over frames, without sign, of step between camera samples minus step between displays.
 
     Source: PresentMon MsAnimationError, with the camera sample as start of the simulation.
     """
-    return mean(np.abs(run.animation_error_ms))
+    return frame_mean(np.abs(run.animation_error_ms))
 
 
 @metric("lag", "ms", "lower")
-def settle_ms(run: MeasuredFrames) -> Statistic:
+def settle_ms(run: MeasuredFrames) -> float | None:
     """Mean time from a step in visible load until the budget holds again.
 
     A step is a rise of full_gpu_ms by a quarter or more within 100 ms to above the budget.  The
@@ -46,35 +47,36 @@ def settle_ms(run: MeasuredFrames) -> Statistic:
 
     Source: settling time of control theory; lodbench's choice of step and band.
     """
-    return mean(_at_steps(run, "settle_ms"))
+    return frame_mean(_at_steps(run, "settle_ms"))
 
 
 @metric("lag", "ratio", "lower")
-def overshoot_ratio(run: MeasuredFrames) -> Statistic:
+def overshoot_ratio(run: MeasuredFrames) -> float | None:
     """Mean over steps in visible load of the largest work_ms until the budget has held, over it.
 
     Source: the "unavoidable overshoot" of feedback algorithms in Gobbetti and Bouvier,
     Time-critical multiresolution rendering of large complex models; steps as in settle_ms.
     """
-    return mean(_at_steps(run, "overshoot_ratio"))
+    return frame_mean(_at_steps(run, "overshoot_ratio"))
 
 
 @metric("lag", "%", "lower")
-def prediction_error_pct_mean(run: MeasuredFrames) -> Statistic:
-    """Mean, without sign, of predicted minus measured GPU time over measured; predictive policies.
+def prediction_error_pct_mean(run: MeasuredFrames) -> float | None:
+    """Mean over frames, without sign, of predicted minus measured GPU time over measured.
 
-    Source: estimate error in per cent, as the HLOD thesis reports it, here without sign.
+    Source: estimate error in per cent, as the HLOD thesis reports it, here without sign; none
+    where nothing is predicted.
     """
-    return mean(np.abs(prediction_error_pct(run)))
+    return frame_mean(np.abs(prediction_error_pct(run)))
 
 
 @metric("lag", "%", "lower")
-def prediction_error_pct_sd(run: MeasuredFrames) -> Statistic:
+def prediction_error_pct_sd(run: MeasuredFrames) -> float | None:
     """Sample standard deviation of predicted minus measured GPU time over measured, signed.
 
     Source: spread of the estimate error, as the HLOD thesis reports it.
     """
-    return sd(prediction_error_pct(run))
+    return frame_sd(prediction_error_pct(run))
 
 
 def prediction_error_pct(run: MeasuredFrames) -> FloatArray:

@@ -6,13 +6,12 @@ from inspect import cleandoc
 from typing import Literal
 
 from .measured_frames import MeasuredFrames
-from .statistic import Statistic
 
 Better = Literal["lower", "higher"]
-Group = Literal["stability", "lag", "flicker", "quality", "work"]
-GROUPS: tuple[Group, ...] = ("stability", "lag", "flicker", "quality", "work")
+Group = Literal["budget", "stability", "lag", "flicker", "quality", "work"]
+GROUPS: tuple[Group, ...] = ("budget", "stability", "lag", "flicker", "quality", "work")
 
-Function = Callable[[MeasuredFrames], Statistic | None]
+Function = Callable[[MeasuredFrames], float | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +39,9 @@ class Metric:
     source: str
     function: Function
 
-    def __call__(self, run: MeasuredFrames) -> Statistic | None:
-        """Return the statistic of a run, or None where the run cannot have the metric."""
+    def __call__(self, run: MeasuredFrames) -> float | None:
+        """Return the metric of a run, or None where the run cannot have it."""
         return self.function(run)
-
-    def value(self, run: MeasuredFrames) -> float | None:
-        """Return the metric's value, or None where the run cannot have it."""
-        statistic = self.function(run)
-        return None if statistic is None else statistic.value()
 
 
 def metric(group: Group, unit: str, better: Better) -> Callable[[Function], Metric]:

@@ -6,7 +6,7 @@ from ...base.errors import InputError
 from ...base.nearest_names import unknown_name
 from .metric import GROUPS, Metric
 
-_MODULES = ("stability", "lag", "flicker", "quality", "work")
+_MODULES = ("budget", "stability", "lag", "flicker", "quality", "work")
 
 _CONTENTS = [vars(import_module(f".{module}", __package__)) for module in _MODULES]
 METRICS: tuple[Metric, ...] = tuple(

@@ -4,63 +4,66 @@ import numpy as np
 
 from .measured_frames import MeasuredFrames
 from .metric import metric
-from .statistic import Statistic, maximum, mean, quantile
+from .over_frames import most
+from .over_time import time_mean, time_quantile
 
 
 @metric("work", "ms", "lower")
-def select_ms_mean(run: MeasuredFrames) -> Statistic:
-    """Mean CPU time of the policy's own work, from its counts and the hardware's CPU cost model.
+def select_ms_mean(run: MeasuredFrames) -> float | None:
+    """Mean over time of the CPU time of a policy's own work, from its counts and the cost model.
 
     Source: lodbench; selection time, which Zach et al. (VRST 2002) and Peng et al. (2011) report.
     """
-    return mean(run["select_ms"])
+    return time_mean(run["select_ms"], run.cost_weight_ms)
 
 
 @metric("work", "ms", "lower")
-def select_ms_p99(run: MeasuredFrames) -> Statistic:
-    """99th percentile of the CPU time of the policy's own work.
+def select_ms_p99(run: MeasuredFrames) -> float | None:
+    """99th percentile over time of the CPU time of the policy's own work.
 
     Source: as select_ms_mean.
     """
-    return quantile(run["select_ms"], 0.99)
+    return time_quantile(run["select_ms"], run.cost_weight_ms, 0.99)
 
 
-@metric("work", "levels", "lower")
-def levels_extracted_per_frame(run: MeasuredFrames) -> Statistic | None:
-    """Levels built because no node held them; none where nothing is extracted.
-
-    Source: LODManager of Gumbau, Ripolles and Chover.
-    """
-    return mean(run["levels_extracted"]) if _extracts(run) else None
-
-
-@metric("work", "levels", "higher")
-def levels_borrowed_per_frame(run: MeasuredFrames) -> Statistic | None:
-    """Levels drawn that another node had extracted; none where nothing is extracted.
+@metric("work", "1/s", "lower")
+def levels_changed_per_s(run: MeasuredFrames) -> float | None:
+    """Levels built in a second because no node held them; none where nothing is extracted.
 
     Source: LODManager of Gumbau, Ripolles and Chover.
     """
-    return mean(run["levels_borrowed"]) if _extracts(run) else None
+    return _levels_per_s(run, "levels_extracted")
+
+
+@metric("work", "1/s", "higher")
+def levels_borrowed_per_s(run: MeasuredFrames) -> float | None:
+    """Levels drawn in a second that another node had extracted; none where nothing is extracted.
+
+    Source: LODManager of Gumbau, Ripolles and Chover.
+    """
+    return _levels_per_s(run, "levels_borrowed")
 
 
 @metric("work", "triangles", "lower")
-def triangles_mean(run: MeasuredFrames) -> Statistic:
-    """Mean triangles drawn in a frame, cross-fades included.
+def triangles_mean(run: MeasuredFrames) -> float | None:
+    """Mean over time of the triangles drawn in a frame, cross-fades included.
 
     Source: every engine's counter, such as Unreal's RHI/PrimitivesDrawn.
     """
-    return mean(run["triangles"])
+    return time_mean(run["triangles"], run.cost_weight_ms)
 
 
 @metric("work", "fraction", "lower")
-def memory_peak_fraction(run: MeasuredFrames) -> Statistic | None:
-    """Largest memory held by levels over the hardware's bound.
+def memory_peak_fraction(run: MeasuredFrames) -> float | None:
+    """Largest memory held by levels over the hardware's bound, as observed.
 
     Source: lodbench; the bound is the profile's.
     """
     bound = run.header.memory_bound_bytes
-    return maximum(run["memory_bytes"] / bound) if bound > 0.0 else None
+    return most(run["memory_bytes"] / bound) if bound > 0.0 else None
 
 
-def _extracts(run: MeasuredFrames) -> bool:
-    return bool(np.any(run["levels_extracted"]) or np.any(run["levels_borrowed"]))
+def _levels_per_s(run: MeasuredFrames, column: str) -> float | None:
+    if not (np.any(run["levels_extracted"]) or np.any(run["levels_borrowed"])):
+        return None
+    return float(run[column].sum()) / run.window_s

@@ -1,4 +1,4 @@
-"""Series short enough to draw: envelopes that keep extremes, means of bins, and tails."""
+"""Series short enough to draw: envelopes that keep extremes, and tails."""
 
 from itertools import pairwise
 
@@ -25,25 +25,20 @@ def envelope(x: FloatArray, y: FloatArray, buckets: int) -> tuple[FloatArray, Fl
     return x[at], y[at]
 
 
-def bin_means(x: FloatArray, y: FloatArray, edges: FloatArray) -> FloatArray:
-    """Return the mean of y in each bin of x, NaN where a bin is empty."""
-    total = np.histogram(x, edges, weights=y)[0]
-    count = np.histogram(x, edges)[0]
-    return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
-
-
-def tail(values: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
-    """Return values in order and the share of all that is larger or equal, thinned in its body.
+def tail(values: FloatArray, weight: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Return values in order and the weight of all that is larger or equal, as a share, thinned.
 
     Every value of the slowest twentieth is kept, since that is where policies differ.
     """
-    ordered = np.sort(values[~np.isnan(values)])
-    n = len(ordered)
-    share = (n - np.arange(n)) / max(n, 1)
+    known = np.flatnonzero(~np.isnan(values) & (weight > 0.0))
+    order = known[np.argsort(values[known], kind="stable")]
+    n = len(order)
+    share = np.cumsum(weight[order][::-1])[::-1]
+    share = share / share[:1]
     body = n - max(n // 20, 1)
     at = np.arange(n)
     if n > points:
         at = np.unique(
             np.concatenate((np.linspace(0, body, points).astype(np.intp), np.arange(body, n)))
         )
-    return ordered[at], share[at]
+    return values[order][at], share[at]

@@ -12,17 +12,16 @@ from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
-from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import find_metric
 from .engine.limits import Limits
 from .engine.open_engine import open_engine
 from .engine.task import Beat, Inputs
-from .score import make_fit
+from .score import make_fit, measure
 
 Badness = Literal["overshoot", "toggles", "lag"]
 METRIC_OF: dict[Badness, str] = {
     "overshoot": "work_ms_max",
-    "toggles": "toggles_per_frame",
+    "toggles": "toggles_per_s",
     "lag": "lag_ms_p99",
 }
 """The metric that each kind of badness is; the overshoot is over the budget."""
@@ -54,8 +53,8 @@ class PathRun:
     trace : CameraTrace
     options : ReplayOptions
     badness : Badness
-    warmup : int
-        Frames at the start that do not count.
+    warmup_s : float
+        Seconds at the start of the path that do not count.
     """
 
     policy: PolicySpec
@@ -64,7 +63,7 @@ class PathRun:
     trace: CameraTrace
     options: ReplayOptions
     badness: Badness
-    warmup: int
+    warmup_s: float
 
     result_type: ClassVar[Any] = float
 
@@ -79,10 +78,7 @@ class PathRun:
         policy = make_fit(self.policy, scene)
         hardware, label = inputs[self.hardware], self.policy.label
         log = replay(policy, scene, self.trace, hardware, self.options, name=label, beat=beat)
-        if len(log) <= self.warmup:
-            return 0.0
-        metric = find_metric(METRIC_OF[self.badness])
-        value = metric.value(MeasuredFrames(log, self.warmup)) or 0.0
+        value = find_metric(METRIC_OF[self.badness])(measure(log, self.trace, self.warmup_s)) or 0.0
         return value / self.options.budget_ms if self.badness == "overshoot" else value
 
 
@@ -94,7 +90,7 @@ def open_gauge(
     options: ReplayOptions,
     badness: Badness,
     *,
-    warmup: int = 30,
+    warmup_s: float = 1.0,
     limits: Limits | None = None,
     scheduler: str | None = None,
 ) -> Generator[Gauge]:
@@ -108,7 +104,7 @@ def open_gauge(
     with open_engine(inputs, workers=1, limits=limits, scheduler=scheduler) as engine:
 
         def measure(trace: CameraTrace) -> float:
-            task = PathRun(spec, scene_hash, hardware_hash, trace, options, badness, warmup)
+            task = PathRun(spec, scene_hash, hardware_hash, trace, options, badness, warmup_s)
             (outcome,) = engine.run([task])
             failure = outcome.failure
             if failure is None:

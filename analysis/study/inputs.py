@@ -39,6 +39,28 @@ TraceLike: TypeAlias = str | PathLike[str] | CameraTrace
 HardwareLike: TypeAlias = str | PathLike[str] | HardwareProfile
 
 
+Seconds: TypeAlias = tuple[float, float | None]
+"""Start and end of a stretch of a path, None for the path's end; see `CameraTrace.stretch`."""
+
+WHOLE: Seconds = (0.0, None)
+
+
+def parse_seconds(text: object) -> Seconds:
+    """Return the stretch that ``A:B``, ``A:`` or ``:B`` names.
+
+    Raises `InputError` if it is none of these.
+    """
+    start, colon, end = str(text).partition(":")
+    try:
+        if colon:
+            return float(start or 0.0), float(end) if end.strip() else None
+    except ValueError:
+        pass
+    raise InputError(
+        f"seconds: expected A:B, A: or :B in seconds of the path, got {text!r}; such as 5:20"
+    )
+
+
 def as_scene(scene: SceneLike) -> Scene:
     """Return a scene, loaded if it is named; raises InputError as `load_scene` does."""
     return load_scene(scene)

@@ -27,12 +27,8 @@ class Run:
         Content hashes of the inputs.
     options : ReplayOptions
         Its `draw` is the posterior draw that plays the truth, None for the profile's mean.
-    warmup : int
-        Frames at the start that do not count.
-    stream : int
-        Which blocks are drawn; the same for every policy, so that comparisons are paired.
-    resamples : int
-        Number of resamples, 0 for none.
+    warmup_s : float
+        Seconds at the start of the path that do not count.
     keeps_log : bool
         Whether the result has the frame log.
     """
@@ -42,9 +38,7 @@ class Run:
     trace: str
     hardware: str
     options: ReplayOptions
-    warmup: int
-    stream: int = 0
-    resamples: int = 0
+    warmup_s: float
     keeps_log: bool = False
 
     result_type: ClassVar[Any] = Scored
@@ -68,7 +62,7 @@ class Run:
             self.trace,
             self.hardware,
             repr(self.options),
-            repr((self.warmup, self.stream, self.resamples, self.keeps_log)),
+            repr((self.warmup_s, self.keeps_log)),
         )
         digest = hashlib.blake2b("\n".join(named).encode(), digest_size=SIZE_BYTES)
         return digest.hexdigest()
@@ -80,8 +74,6 @@ class Run:
             inputs[self.trace],
             inputs[self.hardware],
             self.options,
-            self.warmup,
+            self.warmup_s,
         )
-        return score(
-            world, self.policy, self.stream, self.resamples, keeps_log=self.keeps_log, beat=beat
-        )
+        return score(world, self.policy, keeps_log=self.keeps_log, beat=beat)

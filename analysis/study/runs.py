@@ -70,7 +70,6 @@ def run_policies(
     world: World,
     seeds: Sequence[int],
     draws: Sequence[int],
-    resamples: tuple[int, int],
     workers: int,
     progress: Progress | None = None,
     *,
@@ -86,7 +85,7 @@ def run_policies(
     workers, limits, scheduler
         Of the engine (see `open_engine`).
     """
-    plan = plan_runs(policies, world, seeds, draws, resamples)
+    plan = plan_runs(policies, world, seeds, draws)
     engine = open_engine(plan.inputs, workers=workers, limits=limits, scheduler=scheduler)
     return carry_out(plan, engine, progress)
 
@@ -96,22 +95,15 @@ def plan_runs(
     world: World,
     seeds: Sequence[int],
     draws: Sequence[int],
-    resamples: tuple[int, int],
 ) -> Plan:
     """List the replays of every policy.
 
-    Raises `InputError` if a policy is given twice, or all frames would be warm-up.
-
-    Parameters
-    ----------
-    resamples
-        Of a replay under the mean, and of one under a draw.
+    Raises `InputError` if a policy is given twice, or all of the path would be warm-up.
     """
-    world.require_scored_frames()
+    world.require_window()
     require_distinct(policies)
     inputs = {content_hash(value): value for value in (world.scene, world.trace, world.hardware)}
     scene, trace, hardware = inputs
-    plans = [(None, 0, resamples[0]), *((draw, at, resamples[1]) for at, draw in enumerate(draws))]
     runs = tuple(
         Run(
             policy,
@@ -119,13 +111,11 @@ def plan_runs(
             trace,
             hardware,
             replace(world.options, draw=draw, seed=seed),
-            world.warmup,
-            stream,
-            count,
+            world.warmup_s,
             keeps_log=draw is None,
         )
         for policy in policies
-        for draw, stream, count in plans
+        for draw in (None, *draws)
         for seed in seeds
     )
     return Plan(inputs, runs)
@@ -163,16 +153,19 @@ def carry_out(
 def _by_policy(runs: Sequence[Run], results: Mapping[int, Scored | Failure]) -> dict[str, Runs]:
     """Return results in the order of their runs, whatever the order in which they were finished."""
     found = {run.owner: Runs() for run in runs}
+    drawn: dict[tuple[str, int], list[Scored]] = {}
     for at, run in enumerate(runs):
         result, mine = results.get(at), found[run.owner]
         if isinstance(result, Failure):
             mine.failure = mine.failure or _with_draw(result, run.options.draw)
         elif result is not None and run.options.draw is None:
             mine.means.append(result)
-        elif result is not None:
-            while len(mine.drawn) <= run.stream:
-                mine.drawn.append([])
-            mine.drawn[run.stream].append(result)
+        elif result is not None and run.options.draw is not None:
+            key = run.owner, run.options.draw
+            if key not in drawn:
+                drawn[key] = []
+                mine.drawn.append(drawn[key])
+            drawn[key].append(result)
     return found
 
 

@@ -1,14 +1,7 @@
-"""Replay one policy under one truth and score the run and its resamples.
+"""Replay one policy under one truth and score the run: what a worker process does."""
 
-What a worker process does.
-"""
-
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from ...base.arrays import FloatArray
 from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
@@ -17,41 +10,31 @@ from ...policies.protocol import Policy, why_not_applicable
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
-from ..metrics.measured_frames import MeasuredFrames
+from ..metrics.measured_frames import MeasuredFrames, require_window
 from ..metrics.metric_registry import METRICS
-from ..metrics.statistic import Statistic
 from ..metrics.steps import Step, find_steps
-from ..verdict.bootstrap import draw_blocks
 from .engine.task import Beat, NotApplicableError
-
-_SPAWN_KEY = 100
-"""Apart from the keys 0, 1, ... that a replay spawns for its noise from the same seed."""
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What all policies are replayed in."""
+    """What all policies are replayed in.
+
+    Attributes
+    ----------
+    warmup_s : float
+        Seconds at the start of the path that no metric counts.
+    """
 
     scene: Scene
     trace: CameraTrace
     hardware: HardwareProfile
     options: ReplayOptions
-    warmup: int
+    warmup_s: float
 
-    def require_scored_frames(self) -> None:
-        """Raise `InputError` if every frame would be warm-up, whatever the policy."""
-        require_scored_frames(self.trace, self.options.frames, self.warmup)
-
-
-def require_scored_frames(trace: CameraTrace, frames: int | None, warmup: int) -> None:
-    """Raise `InputError` if every frame of a replay would be warm-up, whatever the policy."""
-    # A trace without duration is replayed for one frame.
-    frames = frames or (1 if trace.duration_s == 0.0 else None)
-    if frames is not None and frames <= warmup:
-        raise InputError(
-            f"frames: expected more than the {warmup} of warm-up, got {frames}; "
-            "take more frames or less warm-up"
-        )
+    def require_window(self) -> None:
+        """Raise `InputError` if all of the path would be warm-up, whatever the policy."""
+        require_window(self.warmup_s, self.trace.duration_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +47,6 @@ class Scored:
         Where it was asked for.
     values : dict of str to float or None
         By metric id.
-    resampled : dict of str to (R,) float64
-        By metric id; missing where a metric has fewer than two frames that bear on it.
     steps : tuple of Step
         Answers to the steps in visible load.
     frames : int
@@ -74,7 +55,6 @@ class Scored:
 
     log: FrameLog | None
     values: dict[str, float | None]
-    resampled: dict[str, FloatArray]
     steps: tuple[Step, ...]
     frames: int
 
@@ -82,8 +62,6 @@ class Scored:
         # It may come from a process in which a policy replaced what makes it.
         if self.values.keys() != {metric.id for metric in METRICS}:
             raise ValueError("expected a value of every metric")
-        if len({array.shape for array in self.resampled.values()}) > 1:
-            raise ValueError("expected as many resamples of every metric")
 
 
 def make_fit(spec: PolicySpec, scene: Scene) -> Policy:
@@ -99,21 +77,13 @@ def make_fit(spec: PolicySpec, scene: Scene) -> Policy:
     return policy
 
 
-def score(
-    world: World,
-    spec: PolicySpec,
-    stream: int,
-    resamples: int,
-    *,
-    keeps_log: bool,
-    beat: Beat,
-) -> Scored:
+def score(world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat) -> Scored:
     """Replay and score (see `Run`); the same arguments give the same result in any process.
 
     Raises
     ------
     PolicyError
-        If the policy breaks its contract, or has no frame after the warm-up.
+        If the policy breaks its contract, or has no frame in the window.
     NotApplicableError
         If it does not fit the scene.
     InputError
@@ -128,30 +98,18 @@ def score(
         name=spec.label,
         beat=beat,
     )
-    if len(log) <= world.warmup:
-        last, reason = len(log) - 1, f"{len(log)} frames, all of them warm-up; lower --warmup"
-        raise PolicyError(spec.label, last, reason)
-    frames = MeasuredFrames(log, world.warmup)
-    statistics = {metric.id: metric(frames) for metric in METRICS}
-    values = {name: None if item is None else item.value() for name, item in statistics.items()}
-    resampled: dict[str, FloatArray] = {}
-    if resamples:
-        resampled = resample(frames, statistics, world.options.seed, stream, resamples)
-    return Scored(log if keeps_log else None, values, resampled, find_steps(frames), len(log))
+    frames = measure(log, world.trace, world.warmup_s)
+    values = {metric.id: metric(frames) for metric in METRICS}
+    return Scored(log if keeps_log else None, values, find_steps(frames), len(log))
 
 
-def resample(
-    run: MeasuredFrames,
-    statistics: Mapping[str, Statistic | None],
-    seed: int,
-    stream: int,
-    count: int,
-) -> dict[str, FloatArray]:
-    """Return by metric its value in each resample, (count,); see `Scored.resampled`."""
-    root = np.random.SeedSequence(seed, spawn_key=(_SPAWN_KEY, stream))
-    known = {n: item for n, item in statistics.items() if item is not None and item.support > 1}
-    found: dict[str, list[FloatArray]] = {name: [] for name in known}
-    for sample in draw_blocks(root, count).samples(run.input_ns):
-        for name, item in known.items():
-            found[name].append(item.of(sample))
-    return {name: np.concatenate(parts) for name, parts in found.items()}
+def measure(log: FrameLog, trace: CameraTrace, warmup_s: float) -> MeasuredFrames:
+    """Return the frames that count of a replay of a path.
+
+    Raises `PolicyError` if there are none, since then its frames were too slow for the path.
+    """
+    require_window(warmup_s, trace.duration_s)
+    try:
+        return MeasuredFrames(log, warmup_s, trace.duration_s)
+    except InputError as error:
+        raise PolicyError(log.header.policy, len(log) - 1, error.message) from error

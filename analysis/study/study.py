@@ -6,15 +6,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...base.errors import InputError, require_whole
+from ...base.errors import InputError, require_real
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import PolicyLikes, default_policies, specs_of
 from ...sim.faults import Faults
 from ...traces.cameras.camera_trace import CameraTrace
+from ..metrics.measured_frames import require_window
 from .axes.blocks import Block, Case
 from .axes.conditions import (
     DEFAULTS,
-    FRAME_LIMIT,
     draw_axis,
     machine_axes,
     named_axis,
@@ -26,12 +26,11 @@ from .axes.parameters import Parameters, by_label, column_of, param_axis
 from .axes.study_inputs import StudyInputs
 from .engine.limits import Limits
 from .engine.open_engine import open_engine
-from .inputs import HardwareLike, SceneLike, TraceLike
+from .inputs import WHOLE, HardwareLike, SceneLike, Seconds, TraceLike
 from .results.record import COLUMNS
 from .results.run_list import RunList
 from .run import Run
 from .runs import Progress
-from .score import require_scored_frames
 
 if TYPE_CHECKING:
     from .sweep.study_results import StudyResults
@@ -68,7 +67,7 @@ class Study:
     draws
         Posterior draws of the cost model that play the truth, None for the profile's mean; or a
         number of them, evenly spaced (the mean where a profile has none, or the number is 0).
-    frames, fovy_deg, crossfade_ms, measurement_delay, faults, bound_every, memory_bytes
+    fovy_deg, crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
         As `ReplayOptions` has them.
     display, refresh_hz, frames_in_flight
         Mode and rate of the display, frames between CPU and GPU; None for the profile's.
@@ -76,8 +75,10 @@ class Study:
         Combinations to leave out, each a mapping of axes to a value or several.  Axes go by the
         columns of the results: ``policy``, ``scene``, ``trace``, ``hardware``, ``seed``, ``draw``,
         a parameter, and the others as above.
-    warmup
-        Frames at the start of each replay that do not count.
+    seconds
+        The stretch of every path that is replayed: its start and its end, None for the path's.
+    warmup_s
+        Seconds at the start of the stretch that do not count.
     place
         How the path of a file is put into a scene: shrink, fit, center or none.
     name
@@ -97,37 +98,38 @@ class Study:
         budget_ms: float | Sequence[float | None] | None = None,
         seeds: int | Sequence[int] = 1,
         draws: int | Sequence[int | None] = 0,
-        frames: int | Sequence[int | None] | None = None,
         fovy_deg: float | Sequence[float] = 60.0,
         crossfade_ms: float | Sequence[float] = 0.0,
         measurement_delay: int | Sequence[int] = 0,
         faults: Faults | Sequence[Faults] | None = None,
         bound_every: int | Sequence[int] = 0,
         memory_bytes: float | Sequence[float | None] | None = None,
+        visible_px: float | Sequence[float] = 1.0,
         display: str | Sequence[str | None] | None = None,
         refresh_hz: float | Sequence[float | None] | None = None,
         frames_in_flight: int | Sequence[int | None] | None = None,
         exclude: Exclude = (),
-        warmup: int = 30,
+        seconds: Seconds = WHOLE,
+        warmup_s: float = 1.0,
         place: str = "shrink",
         name: str = "study",
     ) -> None:
-        require_whole(warmup, "warmup", 0)
-        self.name, self._warmup = name, warmup
+        require_real(warmup_s, "warmup_s")
+        self.name, self._warmup_s = name, warmup_s
         scene, trace = named_axis("scene", scenes), named_axis("trace", traces)
         machine = named_axis("hardware", hardware)
         screens = machine_axes(display, refresh_hz, frames_in_flight)
-        self._inputs = StudyInputs(scene, trace, machine, screens, place)
+        self._inputs = StudyInputs(scene, trace, machine, screens, place, seconds)
         draw, other_draws = draw_axis(draws, self._inputs.profiles)
         options: dict[str, Any] = {
             "budget_ms": budget_ms,
-            "frames": frames,
             "fovy_deg": fovy_deg,
             "crossfade_ms": crossfade_ms,
             "measurement_delay": measurement_delay,
             "faults": Faults() if faults is None else faults,
             "bound_every": bound_every,
             "memory_bytes": memory_bytes,
+            "visible_px": visible_px,
         }
         options["seed"] = range(seeds) if isinstance(seeds, int) else seeds
         values = {key: several(values) for key, values in options.items()}
@@ -148,7 +150,7 @@ class Study:
         params = [param_axis(spec, column, name, varied[name]) for column, name in columns.items()]
         policy = Axis("policy", (spec,), (spec.label,))
         grid = Grid((policy, *params, *self._common), excluded)
-        return Block(spec, columns, grid, self._inputs, self._warmup)
+        return Block(spec, columns, grid, self._inputs, self._warmup_s)
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -174,14 +176,13 @@ class Study:
     def inputs(self) -> dict[str, Any]:
         """Scenes, placed paths and machines of the runs by content hash.
 
-        Raises `InputError` if one cannot be loaded, or all frames on a path would be warm-up.
+        Raises `InputError` if one cannot be loaded, or all of a path would be warm-up.
         """
         for block in self._blocks:
             self._inputs.load(block.grid.occupied("scene", "trace"))
-        lengths = next(axis.values for axis in self._common if axis.name == FRAME_LIMIT)
         for trace in self._inputs.loaded.values():
-            for frames in lengths if isinstance(trace, CameraTrace) else ():
-                require_scored_frames(trace, frames, self._warmup)
+            if isinstance(trace, CameraTrace):
+                require_window(self._warmup_s, trace.duration_s)
         return self._inputs.loaded
 
     def runs(self) -> Iterator[Run]:

@@ -28,7 +28,6 @@ from ..study.runs import Progress
 CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
 
-_CALIBRATION_FRAMES = 1_200
 _MOST_THREADS = 32  # of llvmpipe
 
 
@@ -42,17 +41,21 @@ class RecordOptions:
     instancing : whether all instances of a level are drawn at once
     repeats : times that each frame is drawn
     threads : of llvmpipe, beside the caller's
+    calibration_steps : poses along the trace that calibration draws
     """
 
     backend: str = "egl"
     instancing: bool = False
     repeats: int = 5
     threads: int = 0
+    calibration_steps: int = 1_200
 
     def __post_init__(self) -> None:
         if not 0 <= self.threads <= _MOST_THREADS:
             got = self.threads
             raise InputError(f"--threads: expected 0 to {_MOST_THREADS}, got {got}; 0 is quietest")
+        if self.calibration_steps < 1:
+            raise InputError(f"--steps: expected 1 or more, got {self.calibration_steps}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,8 +90,8 @@ class Recorder:
     ) -> Recorded:
         """Record a policy, or the programme of calibration where there is none.
 
-        Calibration goes through the whole trace in even steps, 1,200 unless `options` says another
-        number; a policy's replay takes as much of it as its frames last.
+        Calibration goes through the whole trace in even steps; a policy's replay takes as many
+        frames as last until its end.
 
         Raises
         ------
@@ -99,8 +102,8 @@ class Recorder:
         policy = Calibration(options.seed) if label is None else parse_policy(label).make()
         if label is None:
             _require_flat(self._scene)
-            options = replace(options, frames=options.frames or _CALIBRATION_FRAMES)
-            step_ms = max(1e3 * trace.duration_s / (options.frames or 1), 1e-3)
+            options = replace(options, frames=settings.calibration_steps)
+            step_ms = max(1e3 * trace.duration_s / settings.calibration_steps, 1e-3)
         measuring = GlMachine(
             self._renderer, self._device, repeats=settings.repeats, step_ms=step_ms
         )

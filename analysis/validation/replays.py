@@ -1,7 +1,6 @@
 """Record policies, once or twice, and simulate the same."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
@@ -84,22 +83,3 @@ def measured_of(recorded: Recorded) -> Measured:
     """Return a recording with its counts under the names of the cost model."""
     columns = recorded.columns
     return Measured(recorded.frames, columns | {"shaded_samples": columns["projected_px"]})
-
-
-def cut_trace(trace: CameraTrace, seconds: float) -> CameraTrace:
-    """Return the start of a trace, to its last sample within so many seconds.
-
-    Raises `InputError` if that is no more than one sample.
-    """
-    count = int((trace.time_s <= seconds).sum())
-    if count < 2:
-        raise InputError(
-            f"--seconds: expected more than one sample of {trace.name}, got {seconds}; take more"
-        )
-    return replace(
-        trace,
-        time_s=trace.time_s[:count],
-        position_m=trace.position_m[:count],
-        orientation_xyzw=trace.orientation_xyzw[:count],
-        cut=trace.cut[:count],
-    )

@@ -83,7 +83,7 @@ def validate(
 ) -> Validation:
     """Return how simulation and recordings agree.
 
-    Raises `InputError` if a recording holds no more than the warm-up and one frame.
+    Raises `InputError` if a recording has no frame in the window, or only one.
 
     Parameters
     ----------
@@ -91,17 +91,11 @@ def validate(
     pairs : by label, in the order of the policies
     log : header of the recordings
     """
-    warmup = comparison.warmup
-    for label, pair in pairs.items():
-        for frames in (*(item.frames for item in pair.measured), pair.simulated):
-            if len(frames) < warmup + 2:
-                raise InputError(
-                    f"{label}: expected more than {warmup + 1} frames, got {len(frames)}; lower "
-                    "--warmup or take a longer trace"
-                )
-    series = {label: _series(pair, hardware, warmup) for label, pair in pairs.items()}
+    runs = {label: _measured(pair, comparison.window_s) for label, pair in pairs.items()}
+    series = {label: _series(pair, runs[label], hardware) for label, pair in pairs.items()}
     policies = tuple(
-        _policy(label, pair, comparison, series[label]) for label, pair in pairs.items()
+        _policy(label, pair, runs[label], comparison, series[label])
+        for label, pair in pairs.items()
     )
     known = [
         item.inside for p in policies for item in p.metrics.values() if item.inside is not None
@@ -115,7 +109,7 @@ def validate(
         measured_on=hardware.provenance.measured_on,
         budget_ms=comparison.budget_ms,
         seed=comparison.seed,
-        warmup=warmup,
+        window_s=comparison.window_s,
         level=comparison.intervals.level,
         draws=comparison.intervals.draws,
         log=log,
@@ -127,11 +121,10 @@ def validate(
 
 
 def _policy(
-    label: str, pair: Pair, comparison: Comparison, series: dict[str, FloatArray]
+    label: str, pair: Pair, runs: "_Runs", comparison: Comparison, series: dict[str, FloatArray]
 ) -> PolicyValidation:
     scored = next(policy for policy in comparison.ok if policy.label == label)
-    runs = [MeasuredFrames(item.frames, comparison.warmup) for item in pair.measured]
-    values = [{metric.id: metric.value(run) for metric in METRICS} for run in runs]
+    values = [{metric.id: metric(run) for metric in METRICS} for run in runs.measured]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
     for metric in METRICS:
@@ -146,25 +139,37 @@ def _policy(
     return PolicyValidation(label, *frames, _errors(series), metrics)
 
 
-def _series(pair: Pair, hardware: HardwareProfile, warmup: int) -> dict[str, FloatArray]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Runs:
+    """The frames of a pair that count."""
+
+    measured: tuple[MeasuredFrames, ...]
+    simulated: MeasuredFrames
+
+
+def _measured(pair: Pair, window_s: tuple[float, float]) -> _Runs:
+    measured = tuple(MeasuredFrames(item.frames, *window_s) for item in pair.measured)
+    return _Runs(measured, MeasuredFrames(pair.simulated, *window_s))
+
+
+def _series(pair: Pair, runs: _Runs, hardware: HardwareProfile) -> dict[str, FloatArray]:
     """Return predicted times over those of the first recording, (2, n), as `Errors` names them."""
-    first = pair.measured[0]
-    time_s, measured = _times(first.frames, warmup)
-    model = hardware.gpu.counted_ms(first.counts)
-    adapted = adapted_ms(model, np.asarray(first.frames["gpu_ms"]))
+    first, *others = runs.measured
+    model = hardware.gpu.counted_ms(pair.measured[0].counts)
+    adapted = adapted_ms(model, np.asarray(first.log["gpu_ms"]))
+    inside = slice(first.first, first.first + len(first))
     predicted = {
-        "model": model[warmup:],
-        "v_time": adapted[warmup:],
-        "simulation": at_times(*_times(pair.simulated, warmup), time_s),
+        "model": model[inside],
+        "v_time": adapted[inside],
+        "simulation": _at(runs.simulated, first.time_s),
     }
-    for other in pair.measured[1:]:
-        predicted["again"] = at_times(*_times(other.frames, warmup), time_s)
-    return {name: np.stack((times, measured)) for name, times in predicted.items()}
+    for other in others:
+        predicted["again"] = _at(other, first.time_s)
+    return {name: np.stack((times, first.work_ms)) for name, times in predicted.items()}
 
 
-def _times(frames: FrameLog, warmup: int) -> tuple[FloatArray, FloatArray]:
-    run = MeasuredFrames(frames, warmup)
-    return run.time_s, run.work_ms
+def _at(run: MeasuredFrames, wanted_s: FloatArray) -> FloatArray:
+    return at_times(run.time_s, run.work_ms, wanted_s)
 
 
 def _errors(*parts: dict[str, FloatArray]) -> Errors:

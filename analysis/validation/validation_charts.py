@@ -28,7 +28,7 @@ def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
         drawn = [(f"measured{' again' * i}", m.frames) for i, m in enumerate(pair.measured)]
         drawn.append(("simulated", pair.simulated))
         for name, frames in drawn:
-            run = MeasuredFrames(frames, validation.warmup)
+            run = MeasuredFrames(frames, *validation.window_s)
             x, y = envelope(run.time_s, run.work_ms, _BUCKETS)
             color = {"measured": _MEASURED, "simulated": _SIMULATED}.get(name, _AGAIN)
             figure.add_scatter(

@@ -95,6 +95,7 @@ def _facts(validation: Validation) -> Iterator[tuple[str, str]]:
     yield "profile", f"{validation.hardware}: {validation.hardware_source}"
     yield "calibrated on", ", ".join(validation.measured_on) or "unknown"
     yield from validation.log.items()
-    yield "warm-up", f"the first {validation.warmup} frames of each replay are not counted"
+    start_s, end_s = validation.window_s
+    yield "window", f"{start_s:g} to {end_s:g} s of the path, the same for every policy"
     yield "draws", f"{validation.draws} posterior draws of the cost model"
     yield "made by", f"lodbench {__version__}"

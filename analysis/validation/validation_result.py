@@ -5,7 +5,7 @@ from typing import Literal
 
 from .time_errors import ErrorSummary
 
-SCHEMA = "lodbench.validate/1"
+SCHEMA = "lodbench.validate/2"
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ class Validation:
     hardware_source : where the profile's costs come from
     measured_on : scenes and traces that it was calibrated on
     log : what the render logs say about themselves
-    warmup : frames at the start of each replay that do not count
+    window_s : the stretch of the path that counts
     all_policies : errors of all frames of all policies together
     inside : share of the metrics with both a value and an interval that are inside
     """
@@ -93,7 +93,7 @@ class Validation:
     measured_on: tuple[str, ...]
     budget_ms: float
     seed: int
-    warmup: int
+    window_s: tuple[float, float]
     level: float
     draws: int
     log: dict[str, str]
@@ -101,4 +101,4 @@ class Validation:
     all_policies: Errors
     inside: float | None
     ranks: dict[str, Rank]
-    schema: Literal["lodbench.validate/1"] = SCHEMA
+    schema: Literal["lodbench.validate/2"] = SCHEMA

@@ -19,7 +19,7 @@ COMPARED = {
 }
 """Fields of `Errors` and what tables call them."""
 
-RANKED = ("frame_ms_mean", "frame_ms_sd", "over_budget_fraction")
+RANKED = ("frame_ms_mean", "frame_ms_sd", "over_budget_time_fraction")
 """Metrics whose values and ranks the short table shows."""
 
 

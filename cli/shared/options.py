@@ -24,13 +24,20 @@ Hardware = Annotated[str, Option(help="A bundled profile, or a TOML file.")]
 Policy = Annotated[str | None, Option(help=f"{POLICY_HELP}.")]
 Policies = Annotated[list[str] | None, Option(help=f"{POLICY_HELP}; may be repeated.")]
 BudgetMs = Annotated[float | None, Option(help=_OR_REFRESH)]
-Frames = Annotated[int | None, Option(help="Frames to replay; else as long as the trace lasts.")]
+Seconds = Annotated[
+    str, Option(metavar="A:B", help="Stretch of the path to replay, such as 5:20, 5: or :20.")
+]
 FovyDeg = Annotated[float, Option(help="Vertical field of view.")]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
 
 # How replays are scored.
-Warmup = Annotated[int, Option(help="Frames at the start that do not count.")]
-Resamples = Annotated[int, Option(help="Bootstrap resamples.")]
+Warmup = Annotated[
+    float, Option("--warmup", metavar="S", help="Seconds at the start that do not count.")
+]
+Visible = Annotated[
+    float,
+    Option("--visible", metavar="PX", help="Least error, and change of it, that is seen."),
+]
 Draws = Annotated[
     int, Option(help="Posterior draws of the cost model to replay, if there are any.")
 ]

@@ -25,7 +25,7 @@ PROFILE = DOCS.parent / "models" / "profiles" / "llvmpipe.toml"
 LOG = DOCS.parent / "analysis" / "fit" / "logs" / "llvmpipe.parquet"
 TERMS = bundled_fit("llvmpipe").terms
 WITHOUT = "draw_calls,triangles,framebuffer_pixels"
-HELD = ("frame_ms_mean", "frame_ms_sd", "over_budget_fraction", "lag_ms_mean", "sse_px_p95")
+HELD = ("frame_ms_mean", "frame_ms_sd", "over_budget_time_fraction", "lag_ms_mean", "sse_px_p95")
 PICTURED = ("static-distance", "static-screen", "feedback", "lodmanager", "funkhouser", "gobbetti")
 BUDGET_MS, SECONDS, SIZE = "5", "10", ("--size", "640x360")
 

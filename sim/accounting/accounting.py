@@ -34,7 +34,14 @@ class Tally(NamedTuple):
 class Accounting:
     """Tables of one scene under one cost model, and the level history of its nodes."""
 
-    def __init__(self, scene: Scene, costs: FrameCost, crossfade_ns: int, camera: Camera) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        costs: FrameCost,
+        crossfade_ns: int,
+        camera: Camera,
+        visible_px: float,
+    ) -> None:
         levels = scene.types.levels
         self._scene, self._levels, self._costs = scene, levels, costs
         self._any_continuous = bool(levels.continuous.any())
@@ -44,7 +51,7 @@ class Accounting:
         self._row, self._full_row = none, none
         self._load = self._full_load = costs.load(none)
         self.viewport_px = float(camera.viewport_px)
-        self.switches = Switches(len(scene), crossfade_ns, self.viewport_px)
+        self.switches = Switches(len(scene), crossfade_ns, self.viewport_px, visible_px)
 
     def drawn(self, selection: Selection, view: View, *, repeats: bool = False) -> Drawn:
         """Return what a valid selection draws.

@@ -15,11 +15,11 @@ from .switches import REVERSAL_NS, SwitchCounts
 class Fronts:
     """Which nodes of a tree were drawn in the last frame, and when each last gave way."""
 
-    def __init__(self, tree: Tree, viewport_px: float) -> None:
+    def __init__(self, tree: Tree, viewport_px: float, visible_px: float) -> None:
         n = len(tree.scene)
         levels = tree.scene.types.levels
         self._tree = tree
-        self._viewport_px = viewport_px
+        self._viewport_px, self._visible_px = viewport_px, visible_px
         self._error_m = levels.error_m[levels.start[:-1]][tree.scene.type_index]
         self._drawn = np.zeros(n, dtype=np.bool_)
         self._inside = np.zeros(n, dtype=np.bool_)
@@ -44,18 +44,23 @@ class Fronts:
         switched = switched[switched >= 0]
         reversals = np.count_nonzero(time_ns - self._switch_ns[switched] <= REVERSAL_NS)
         self._switch_ns[switched] = time_ns
-        popping_px = self._popping(view, came, refined) + self._popping(view, went, coarsened)
+        refined_px, seen_refining = self._popping(view, came, refined)
+        coarsened_px, seen_coarsening = self._popping(view, went, coarsened)
+        visible = np.unique(np.concatenate((seen_refining, seen_coarsening)))
         self._drawn = now
         # The culler fills the same array again in the next frame.
         self._inside = inside.copy()
-        return SwitchCounts(len(switched), int(reversals), popping_px)
+        popping_px = refined_px + coarsened_px
+        return SwitchCounts(len(switched), int(reversals), popping_px, len(visible))
 
-    def _popping(self, view: View, finer: IntArray, coarser: IntArray) -> float:
+    def _popping(self, view: View, finer: IntArray, coarser: IntArray) -> tuple[float, IntArray]:
+        """Return the popping of switches, and the coarser nodes of those that are seen."""
         finer, coarser = finer[coarser >= 0], coarser[coarser >= 0]
         if not len(finer):
-            return 0.0
+            return 0.0, coarser
         seen = view.at(finer)
         px_per_m: FloatArray = view.camera.focal_px * self._tree.scene.scale[finer]
         # As large as the finer node is on the screen: there the picture changes.
         step = np.abs(self._error_m[coarser] - self._error_m[finer]) * px_per_m / seen.nearest_m
-        return float(step @ seen.area_px) / self._viewport_px
+        popping_px = float(step @ seen.area_px) / self._viewport_px
+        return popping_px, coarser[step >= self._visible_px]

@@ -28,14 +28,19 @@ class Quality(NamedTuple):
 class ScreenErrors:
     """Errors on the screen of what frames draw, one frame after another."""
 
-    def __init__(self) -> None:
+    def __init__(self, visible_px: float) -> None:
+        self._visible_px = visible_px
         self._below_px = 0.0  # where the next frame's percentile should not be
 
-    def of(self, drawn: Drawn) -> tuple[float, float]:
-        """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px."""
+    def of(self, drawn: Drawn) -> tuple[float, float, float]:
+        """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px.
+
+        The third is the mean over nodes, by their area, of what of the error is visible.
+        """
         if not len(drawn.ids):
-            return 0.0, 0.0
+            return 0.0, 0.0, 0.0
         sse_px = drawn.error_m * drawn.px_per_m
+        visible_px = self._visible_by_area(sse_px, drawn)
         rank = int(0.95 * (len(sse_px) - 1))
         # Only what may be at or above the rank is sorted out: errors change little from frame to
         # frame, and a partition of all of them takes most of the time.
@@ -46,7 +51,15 @@ class ScreenErrors:
         top_px.partition(rank)
         percentile_px = float(top_px[rank])
         self._below_px = 0.9 * percentile_px
-        return percentile_px, float(np.maximum.reduce(top_px[rank:]))
+        return percentile_px, float(np.maximum.reduce(top_px[rank:])), visible_px
+
+    def _visible_by_area(self, sse_px: FloatArray, drawn: Drawn) -> float:
+        at = (sse_px > self._visible_px).nonzero()[0]
+        area_px = float(np.add.reduce(drawn.area_px)) if len(at) else 0.0
+        if not area_px:
+            return 0.0
+        beyond_px = sse_px.take(at) - self._visible_px
+        return float(beyond_px @ drawn.area_px.take(at)) / area_px
 
 
 class FlatQuality:

@@ -4,7 +4,8 @@ A toggle is a change of level on a node drawn in this frame and in the one befor
 node toggles when its resolution passes a knot of its level table, its stated discretisation.  A
 reversal is a toggle that returns, within `REVERSAL_NS`, to the level that the last toggle left.
 Popping sums, over every change of detail, the change of projected error weighted by the share of
-the viewport that the node covers.
+the viewport that the node covers.  A visible pop is a change of detail, between knots too, that
+changes the projected error by `visible_px` or more: less is not seen.
 """
 
 from dataclasses import dataclass
@@ -67,12 +68,14 @@ class SwitchCounts:
     toggles: int = 0
     reversals: int = 0
     popping_px: float = 0.0
+    visible_pops: int = 0
 
     def __add__(self, other: "SwitchCounts") -> "SwitchCounts":
         return SwitchCounts(
             self.toggles + other.toggles,
             self.reversals + other.reversals,
             self.popping_px + other.popping_px,
+            self.visible_pops + other.visible_pops,
         )
 
 
@@ -85,9 +88,11 @@ class Switches:
         Detail at which each node was last drawn, NaN before that.
     """
 
-    def __init__(self, nodes: int, crossfade_ns: int, viewport_px: float) -> None:
+    def __init__(
+        self, nodes: int, crossfade_ns: int, viewport_px: float, visible_px: float
+    ) -> None:
         self._crossfade_ns = crossfade_ns
-        self._viewport_px = viewport_px
+        self._viewport_px, self._visible_px = viewport_px, visible_px
         # Frame and row of the last drawing in one number, so that one comparison tells the many
         # nodes that go on unchanged from the few that do not.
         self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
@@ -145,6 +150,7 @@ class Switches:
         ids = drawn.at.take(at)
         step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.px_per_m.take(at)
         popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
+        visible_pops = int(np.count_nonzero(step >= self._visible_px))
         new_row = drawn.row.take(at)
         if drawn.fraction is not None:
             # Between two knots detail changes, and the picture with it, but no level is switched.
@@ -158,7 +164,7 @@ class Switches:
         if self._crossfade_ns:
             self._fade_row[ids] = old_row
             self._fade_end_ns[ids] = time_ns + self._crossfade_ns
-        return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px)
+        return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px, visible_pops)
 
     def fading(
         self, time_ns: int, ids: NDArray[np.intp]

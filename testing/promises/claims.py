@@ -93,7 +93,7 @@ def _least_ms(frames: list[Frame], costs: CostModel) -> np.ndarray:
         return np.zeros(0)
     first = frames[0].view
     accounting = Accounting(
-        first.scene, FrameCost(costs, first.scene.types.levels), 0, first.camera
+        first.scene, FrameCost(costs, first.scene.types.levels), 0, first.camera, visible_px=1.0
     )
     tallies = [accounting.tally(0, accounting.drawn(coarsest(f.view), f.view)) for f in frames]
     return np.array([tally.gpu_ms for tally in tallies])

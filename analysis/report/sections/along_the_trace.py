@@ -7,7 +7,7 @@ import numpy as np
 from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Chart
 from ..results import Results, section
-from ..series import bin_means, envelope
+from ..series import envelope
 from ..style import BUDGET, add_line, panels, styled
 
 _BUCKETS = 700
@@ -15,7 +15,7 @@ _BIN_S = 0.5
 _TITLES = (
     "Work time, ms",
     "Lag, ms",
-    f"Switches of level per frame, means of {_BIN_S:g} s",
+    f"Visible pops per second, over {_BIN_S:g} s",
     "Projected error, 95th percentile of nodes, px",
 )
 
@@ -44,7 +44,10 @@ def _chart(results: Results) -> Any:
         rows = (
             envelope(time_s, run.work_ms, _BUCKETS),
             envelope(time_s, run.lag_ms, _BUCKETS),
-            (0.5 * (edges[1:] + edges[:-1]), bin_means(time_s, run["toggles"], edges)),
+            (
+                0.5 * (edges[1:] + edges[:-1]),
+                np.histogram(time_s, edges, weights=run["visible_pops"])[0] / _BIN_S,
+            ),
             envelope(time_s, run["sse_px_p95"], _BUCKETS),
         )
         for row, points in enumerate(rows, 1):

@@ -8,7 +8,7 @@ from ....policies.policy_spec import PolicySpec
 from ....policies.registry import vary_policy
 from ....sim.replay import ReplayOptions
 from ..run import Run
-from .conditions import DEFAULTS, FRAME_LIMIT, MACHINE
+from .conditions import DEFAULTS, MACHINE
 from .grid import Cell, Grid
 from .study_inputs import StudyInputs
 
@@ -40,14 +40,14 @@ class Block:
     grid : Grid
         Of the policy, its parameters, and the axes that all policies have.
     inputs : StudyInputs
-    warmup : int
+    warmup_s : float
     """
 
     spec: PolicySpec
     params: dict[str, str]
     grid: Grid
     inputs: StudyInputs
-    warmup: int
+    warmup_s: float
 
     def cases(self, places: Iterable[tuple[int, ...]]) -> Iterator[Case]:
         """Yield the runs at places of the grid, of which scenes and paths are loaded."""
@@ -64,8 +64,7 @@ class Block:
             if chosen not in specs:
                 varied = dict(zip(self.params.values(), chosen, strict=True))
                 specs[chosen] = vary_policy(self.spec, varied) if varied else self.spec
-            values["frames"] = values[FRAME_LIMIT]
             options = ReplayOptions(**{name: values[name] for name in DEFAULTS})
             scene, trace, hardware = self.inputs.hashes(cells["scene"], cells["trace"], machine)
-            run = Run(specs[chosen], scene, trace, hardware, options, self.warmup)
+            run = Run(specs[chosen], scene, trace, hardware, options, self.warmup_s)
             yield Case(run, cells)

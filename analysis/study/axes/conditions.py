@@ -17,11 +17,9 @@ from .grid import Axis, Cell, Exclusions
 DEFAULTS: dict[str, Any] = {
     item.name: item.default if item.default_factory is MISSING else item.default_factory()
     for item in fields(ReplayOptions)
+    if item.name != "frames"  # a run ends with its path, so that all policies see the same
 } | {"budget_ms": None}
 """What a replay has unless a study says otherwise; a budget of None is one refresh."""
-
-FRAME_LIMIT = "frame_limit"
-"""Axis of the option `frames`: the results have a column of that name for the frames replayed."""
 
 MACHINE = ("display", "refresh_hz", "frames_in_flight")
 """What may be otherwise than a profile has it; None leaves it."""
@@ -43,7 +41,7 @@ def option_axis(name: str, given: Any) -> Axis:
             checked: dict[str, Any] = {"budget_ms": 1.0, name: value}
             ReplayOptions(**checked)
     cells: list[Cell] = [_text(item) if isinstance(item, Faults) else item for item in values]
-    return Axis(FRAME_LIMIT if name == "frames" else name, values, tuple(cells))
+    return Axis(name, values, tuple(cells))
 
 
 def machine_axes(*given: Any) -> tuple[Axis, ...]:

@@ -8,13 +8,13 @@ from ....base.nearest_names import unknown_name
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import vary_policy
 from ..results.record import schema_of
-from .conditions import DEFAULTS, FRAME_LIMIT, MACHINE, several
+from .conditions import DEFAULTS, MACHINE, several
 from .grid import Axis, Cell
 
 Parameters: TypeAlias = Mapping[str, Mapping[str, Any]]
 """By the label of a policy and the name of a parameter, one value or several."""
 
-_TAKEN = {"base_policy", "label", FRAME_LIMIT, *DEFAULTS, *MACHINE, *schema_of({}).names}
+_TAKEN = {"base_policy", "label", *DEFAULTS, *MACHINE, *schema_of({}).names}
 
 
 def by_label(parameters: Parameters, specs: Sequence[PolicySpec]) -> dict[str, Mapping[str, Any]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ....base.content_hash import content_hash
 from ....traces.cameras.camera_trace import CameraTrace
 from ....traces.cameras.read_trace import read_trace
-from ..inputs import adjust_machine, as_hardware, as_scene, load_trace_by
+from ..inputs import Seconds, adjust_machine, as_hardware, as_scene, load_trace_by
 from .grid import Axis
 
 if TYPE_CHECKING:
@@ -35,11 +35,17 @@ class StudyInputs:
     """
 
     def __init__(
-        self, scene: Axis, trace: Axis, hardware: Axis, screens: Iterable[Axis], place: str
+        self,
+        scene: Axis,
+        trace: Axis,
+        hardware: Axis,
+        screens: Iterable[Axis],
+        place: str,
+        seconds: Seconds,
     ) -> None:
         self._scenes = dict(zip(scene.cells, scene.values, strict=True))
         self._traces = dict(zip(trace.cells, trace.values, strict=True))
-        self._place = place
+        self._place, self._seconds = place, seconds
         machines = zip(hardware.cells, hardware.values, strict=True)
         self.profiles = {str(name): as_hardware(given) for name, given in machines}
         self.machines: dict[Key, HardwareProfile] = {
@@ -72,7 +78,8 @@ class StudyInputs:
 
     def _placed(self, scene: Any, trace: Any) -> CameraTrace:
         inside = self.loaded[self._hashes[(scene,)]]
-        return load_trace_by(self._read, self._traces[trace], inside, self._place)
+        path = load_trace_by(self._read, self._traces[trace], inside, self._place)
+        return path.stretch(*self._seconds)
 
     def _add(self, key: Key, name: str, thing: Any) -> None:
         if key not in self._hashes:

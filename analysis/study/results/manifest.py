@@ -67,7 +67,7 @@ class Manifest:
     complete: bool = False
     parts: tuple[Part, ...] = ()
     seal: str = ""
-    schema: Literal["lodbench.study/1"] = SCHEMA
+    schema: Literal["lodbench.study/2"] = SCHEMA
 
 
 def read_manifest(folder: Path) -> Manifest | None:

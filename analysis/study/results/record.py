@@ -1,8 +1,7 @@
 """The one record of results: a row of a table for each run, and back again to the bit.
 
-Columns are the run's own (`COLUMNS`), then the axes of its study, then each metric by its id, then
-the metrics' resamples as ``ID_resampled``, and the answers to load steps.  No column has a time of
-day, or the time that anything took.
+Columns are the run's own (`COLUMNS`), then the axes of its study, then each metric by its id, and
+the answers to load steps.  No column has a time of day, or the time that anything took.
 """
 
 import json
@@ -14,7 +13,6 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import msgspec
-import numpy as np
 import pyarrow as pa
 
 from ...metrics.metric_registry import METRICS
@@ -25,7 +23,7 @@ from ..score import Scored
 if TYPE_CHECKING:
     from .run_list import RunList
 
-SCHEMA = "lodbench.study/1"
+SCHEMA = "lodbench.study/2"
 
 AxisValue: TypeAlias = str | float | int | bool | None
 
@@ -52,7 +50,6 @@ COLUMNS: dict[str, pa.DataType] = {
 }
 """What every row has, by name."""
 
-RESAMPLED = "_resampled"
 _STEPS = "steps"
 _STEP = pa.struct(
     [
@@ -92,7 +89,6 @@ def schema_of(axes: Mapping[str, Sequence[AxisValue]]) -> pa.Schema:
     fields = [pa.field(name, kind) for name, kind in COLUMNS.items()]
     fields += [pa.field(name, _kind_of(values)) for name, values in axes.items()]
     fields += [pa.field(name, pa.float64()) for name in _IDS]
-    fields += [pa.field(name + RESAMPLED, pa.list_(pa.float64())) for name in _IDS]
     fields.append(pa.field(_STEPS, pa.list_(_STEP)))
     names = [item.name for item in fields]
     taken = next((name for name in axes if names.count(name) > 1), None)
@@ -111,9 +107,6 @@ def encode(runs: "RunList", entries: Sequence[Entry]) -> pa.Table:
     scored = [entry.result if isinstance(entry.result, Scored) else None for entry in entries]
     for name in _IDS:
         columns[name] = [None if one is None else one.values.get(name) for one in scored]
-        columns[name + RESAMPLED] = [
-            None if one is None else one.resampled.get(name) for one in scored
-        ]
     columns[_STEPS] = [
         None if one is None else [asdict(step) for step in one.steps] for one in scored
     ]
@@ -129,38 +122,20 @@ def decode(table: pa.Table) -> Iterator[tuple[str, Scored | Failure]]:
         name: table.column(name).to_pylist()
         for name in ("digest", "status", "reason", "frame", "frames", _STEPS, *_IDS)
     }
-    resampled = {name: _ListColumn(table.column(name + RESAMPLED)) for name in _IDS}
     for row, digest in enumerate(columns["digest"]):
         status = columns["status"][row]
         if status != "ok":
             yield digest, Failure(status, columns["reason"][row], columns["frame"][row])
             continue
-        lists = {name: column[row] for name, column in resampled.items()}
         yield (
             digest,
             Scored(
                 log=None,
                 values={name: columns[name][row] for name in _IDS},
-                resampled={name: values for name, values in lists.items() if values is not None},
                 steps=tuple(Step(**step) for step in columns[_STEPS][row]),
                 frames=columns["frames"][row],
             ),
         )
-
-
-class _ListColumn:
-    """A column of lists of numbers, of which each is an array of its own."""
-
-    def __init__(self, column: Any) -> None:
-        lists = column.combine_chunks()
-        self._values = lists.values.to_numpy(zero_copy_only=False)
-        self._offsets = lists.offsets.to_numpy()
-        self._known = lists.is_valid().to_numpy(zero_copy_only=False)
-
-    def __getitem__(self, row: int) -> Any:
-        if not self._known[row]:
-            return None
-        return np.array(self._values[self._offsets[row] : self._offsets[row + 1]])
 
 
 def _about(runs: "RunList", entries: Sequence[Entry]) -> dict[str, list[Any]]:
@@ -203,8 +178,7 @@ _OF_RUN = {
 
 
 def _options(run: Any) -> str:
-    scoring = {name: getattr(run, name) for name in ("warmup", "stream", "resamples")}
-    return _json(asdict(run.options) | scoring)
+    return _json(asdict(run.options) | {"warmup_s": run.warmup_s})
 
 
 def _json(value: object) -> str:

@@ -14,7 +14,7 @@ from ..score import Scored
 from ..study import Study
 
 FRAMES = 300
-"""Of a sampled run beyond warm-up; the rest of its path is taken to be like them."""
+"""Of a sampled run; the rest of its path is taken to be like them."""
 LONGEST_S = 60.0
 """No run is sampled later than this."""
 
@@ -72,9 +72,9 @@ def estimate(study: Study, engine: Engine) -> Estimate:
 
 
 def _shortened(run: Run) -> Run:
-    limit = run.warmup + FRAMES
-    frames = limit if run.options.frames is None else min(limit, run.options.frames)
-    return replace(run, options=replace(run.options, frames=frames), keeps_log=True)
+    # Without a warm-up, which so few frames may not outlast.
+    options = replace(run.options, frames=FRAMES)
+    return replace(run, options=options, warmup_s=0.0, keeps_log=True)
 
 
 def _whole_run_s(study: Study, run: Run, outcome: Outcome) -> float:
@@ -85,8 +85,6 @@ def _whole_run_s(study: Study, run: Run, outcome: Outcome) -> float:
     trace_s = study.inputs[run.trace].duration_s
     covered_s = 1e-9 * float(result.log["input_ns"][-1])
     longer = trace_s / covered_s if covered_s > 0.0 else 1.0
-    if run.options.frames is not None:
-        longer = min(longer, run.options.frames / result.frames)
     return outcome.took_s * max(longer, 1.0)
 
 

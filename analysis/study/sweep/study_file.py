@@ -17,6 +17,7 @@ from ....sim.faults import parse_faults
 from ..axes.conditions import option_axis
 from ..axes.parameters import column_of, param_axis
 from ..axes.values import count_range, step_range
+from ..inputs import parse_seconds
 from ..study import Study
 from .file_names import find_things, policy_text_in
 
@@ -26,12 +27,12 @@ _RANGE = ("from", "to", "step", "count", "log")
 
 _NAMED = ("scenes", "traces", "hardware")
 _OPTIONS = (
-    *("budget_ms", "frames", "fovy_deg", "crossfade_ms", "measurement_delay", "faults"),
-    *("bound_every", "memory_bytes"),
+    *("budget_ms", "fovy_deg", "crossfade_ms", "measurement_delay", "faults"),
+    *("bound_every", "memory_bytes", "visible_px"),
 )
 _MACHINE = ("display", "refresh_hz", "frames_in_flight")
 _COUNTED = ("draws", "seeds")
-_SINGLE = ("warmup", "place")
+_SINGLE = ("seconds", "warmup_s", "place")
 KEYS = ("policies", *_NAMED, *_MACHINE, *_OPTIONS, *_COUNTED, *_SINGLE, "exclude")
 """What the top of a study may have."""
 
@@ -76,6 +77,8 @@ class _Reader:
                 return find_things(self._texts(value, key), self._folder)
             if key in _COUNTED and isinstance(value, int):
                 return value
+            if key == "seconds":
+                return parse_seconds(value)
             if key in _SINGLE:
                 return value
             values = [self._value(key, item) for item in self._values(value, key)]

@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench.analysis.metrics import stability
+from lodbench.analysis.metrics.budget import longest_stretch_ms
 from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric_registry import find_metric
+from lodbench.analysis.metrics.over_frames import fps_low_mean, fps_low_percentile
 from lodbench.sim.frame_log import FrameLog
 
 MakeLog = Callable[..., FrameLog]
@@ -22,9 +24,9 @@ def displays(frame_ms: list[float]) -> np.ndarray:
     return 5.0 + np.concatenate(((0.0,), np.cumsum(frame_ms)))
 
 
-def value(metric_id: str, log: FrameLog, warmup: int = 0) -> float | None:
+def value(metric_id: str, log: FrameLog, warmup_s: float = 0.0) -> float | None:
     """Return a metric of a log."""
-    return find_metric(metric_id).value(MeasuredFrames(log, warmup))
+    return find_metric(metric_id)(MeasuredFrames(log, warmup_s))
 
 
 def test_interval_statistics_by_hand(make_log: MakeLog) -> None:
@@ -37,7 +39,7 @@ def test_interval_statistics_by_hand(make_log: MakeLog) -> None:
 
 def test_work_is_the_larger_of_cpu_and_gpu(make_log: MakeLog) -> None:
     """work_ms takes the larger time of each frame and is not quantised by the display."""
-    log = make_log(displays([16, 16]), cpu_ms=[3.0, 8.0, 2.0], gpu_ms=[5.0, 4.0, 9.0])
+    log = make_log([16.0, 32.0, 48.0], cpu_ms=[3.0, 8.0, 2.0], gpu_ms=[5.0, 4.0, 9.0])
     assert value("work_ms_mean", log) == pytest.approx((5 + 8 + 9) / 3)
     assert value("work_ms_max", log) == 9.0
 
@@ -52,7 +54,7 @@ def test_dropped_frames_have_no_interval(make_log: MakeLog) -> None:
 def test_warmup_is_cut_after_differences_are_taken(make_log: MakeLog) -> None:
     """The first measured frame keeps its interval to the last frame of the warm-up."""
     log = make_log(displays([100, 10, 20]))
-    assert value("frame_ms_mean", log, warmup=2) == pytest.approx(15.0)
+    assert value("frame_ms_mean", log, warmup_s=0.02) == pytest.approx(15.0)
 
 
 def test_three_low_definitions_by_hand(make_log: MakeLog) -> None:
@@ -141,27 +143,30 @@ def test_moving_average_equals_the_loop(x: list[float]) -> None:
 
 
 def test_budget_metrics_by_hand(make_log: MakeLog) -> None:
-    """Work of 5, 11, 12, 9, 30 ms at 10 ms: 3 of 5 over, two in a row, three times at most."""
-    log = make_log(cpu_ms=[5.0, 11.0, 12.0, 9.0, 30.0], gpu_ms=np.ones(5))
-    assert value("over_budget_fraction", log) == pytest.approx(0.6)
-    assert value("longest_over_budget_frames", log) == 2
+    """Work of 5, 11, 12, 9, 30 ms at 10 ms, in frames of 10, 20, 20, 10 and 40 ms.
+
+    80 of 100 ms are over, 40 of them in a row twice, and three times the budget at most.
+    """
+    log = make_log([10.0, 30.0, 50.0, 60.0, 100.0], cpu_ms=[5.0, 11.0, 12.0, 9.0, 30.0])
+    assert value("over_budget_time_fraction", log) == pytest.approx(0.8)
+    assert value("longest_over_budget_ms", log) == pytest.approx(40.0)
     assert value("over_budget_max_ratio", log) == pytest.approx(3.0)
-    assert value("utilisation", log) == pytest.approx(67 / 50)
+    assert value("utilisation", log) == pytest.approx((50 + 220 + 240 + 90 + 1200) / 1000)
 
 
 def test_work_that_just_fits_is_within_the_budget(make_log: MakeLog) -> None:
     """Of 11, 10, 12 and 10 ms at 10 ms two are over, and no two of them in a row."""
     log = make_log(cpu_ms=[11.0, 10.0, 12.0, 10.0], gpu_ms=np.ones(4))
-    assert value("over_budget_fraction", log) == 0.5
-    assert value("longest_over_budget_frames", log) == 1
+    assert value("over_budget_time_fraction", log) == 0.5
+    assert value("longest_over_budget_ms", log) == pytest.approx(10.0)
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=40))
-def test_longest_run_equals_the_string_split(flags: list[bool]) -> None:
-    """The longest run of flags is the longest part of the string split at the unset ones."""
+def test_longest_stretch_equals_the_string_split(flags: list[bool]) -> None:
+    """In frames of 1 ms, it is the longest part of the string split at the unset flags."""
     text = "".join("x" if flag else "." for flag in flags)
     longest = max(len(part) for part in text.split("."))
-    assert stability.run_lengths(np.array(flags)).max() == longest
+    assert longest_stretch_ms(np.array(flags), np.ones(len(flags))) == pytest.approx(longest)
 
 
 def test_missed_vsync_counts_refreshes_without_a_new_frame(make_log: MakeLog) -> None:
@@ -183,8 +188,8 @@ def test_frame_delta_is_between_successive_intervals(make_log: MakeLog) -> None:
 def test_lows_are_ordered(frame_ms: list[float]) -> None:
     """The mean of the slowest frames is never above their quantile's frame rate."""
     x = np.array(frame_ms)
-    low = stability.fps_of_quantile(x, 0.99).value()
-    mean = stability.fps_low_mean(x, 0.01).value()
+    low = fps_low_percentile(x, 0.01)
+    mean = fps_low_mean(x, 0.01)
     assert low is not None
     assert mean is not None
     assert mean <= low * (1 + 1e-12)
