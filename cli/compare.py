@@ -42,7 +42,6 @@ Miss = Annotated[
     float,
     Option(help="Share of time for which a policy may exceed the budget and still keep it."),
 ]
-Visible = Annotated[float, Option(help="Pixels of error, or of its change, that count as seen.")]
 Margin = Annotated[
     float, Option(help="Part of the best's value within which another is as good; at least .25 px.")
 ]
@@ -89,13 +88,13 @@ def compare(
     scene: options.Scene = "district",
     trace: options.Traces = None,
     paths: options.Paths = None,
-    seconds: options.Seconds = None,
+    seconds: options.Seconds = "",
     warmup: options.Warmup = 1.0,
     hardware: options.Hardware = "desktop-assumed",
     policy: Policies = None,
     budget_ms: options.BudgetMs = None,
     miss: Miss = 0.01,
-    visible: Visible = 1.0,
+    visible: options.Visible = 1.0,
     margin: Margin = 0.1,
     as_shipped: AsShipped = False,
     quick: Quick = False,
@@ -144,9 +143,7 @@ def compare(
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or default_policies()]
         plan = path_plan(paths, quick=quick)
-        walked = load_paths(
-            trace or ["trial"], world, place, plan=plan, seconds=seconds, seed=seed
-        )
+        walked = load_paths(trace or ["trial"], world, place, plan=plan, seconds=seconds, seed=seed)
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),
             seed=seed,

@@ -18,7 +18,6 @@ class Moment:
     Attributes
     ----------
     path : str
-    seed : int
     time_s : float
         When its camera was sampled, by the clock of the path.
     camera_m : (x, y, z)
@@ -32,7 +31,6 @@ class Moment:
     """
 
     path: str
-    seed: int
     time_s: float
     camera_m: tuple[float, float, float]
     work_ms: float
@@ -49,7 +47,6 @@ def find_worst_moment(frames: MeasuredFrames, hardware: HardwareProfile) -> Mome
     x, y, z = (float(frames[axis][at]) for axis in ("x_m", "y_m", "z_m"))
     return Moment(
         path=frames.header.trace,
-        seed=frames.header.seed,
         time_s=float(frames.time_s[at]),
         camera_m=(x, y, z),
         work_ms=float(work_ms[at]),

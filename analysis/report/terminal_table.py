@@ -131,7 +131,9 @@ def _wide_table(policies: tuple[PolicyResult, ...]) -> "Table":
         if metric.group != group:
             table.add_section()
             group = metric.group
-        table.add_row(metric.id, metric.unit, *(_interval(policy, metric.id) for policy in policies))
+        table.add_row(
+            metric.id, metric.unit, *(_interval(policy, metric.id) for policy in policies)
+        )
     return table
 
 

@@ -381,8 +381,12 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         rows = [
-            (policy.label, policy.rank, policy.reason or knob_text(policy))
-            + tuple(map(policy.value_of, SHOWN))
+            (
+                policy.label,
+                policy.rank,
+                policy.reason or knob_text(policy),
+                *map(policy.value_of, SHOWN),
+            )
             for policy in self.policies
         ]
         return html_table(self.answer[0], ("policy", "rank", "", *SHOWN), rows)

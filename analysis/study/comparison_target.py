@@ -7,6 +7,7 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
+
 from ...base.errors import InputError
 from ...base.files.whole_folder import claimed_folder
 from .comparison_folder import OURS, Compared, holds_study, read_results, write_results

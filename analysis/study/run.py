@@ -13,7 +13,7 @@ from ...policies.policy_spec import PolicySpec
 from ...sim.replay import ReplayOptions
 from .code_hash import code_hash, policy_hash
 from .engine.task import Beat, Inputs
-from .score import Scored, World, score
+from .score import MISS, Scored, World, score
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +29,8 @@ class Run:
         Its `draw` is the posterior draw that plays the truth, None for the profile's mean.
     warmup_s : float
         Seconds at the start of the path that do not count.
+    miss : float
+        Share of time for which the budget may be exceeded.
     keeps_log : bool
         Whether the result has the frame log.
     """
@@ -39,6 +41,7 @@ class Run:
     hardware: str
     options: ReplayOptions
     warmup_s: float
+    miss: float = MISS
     keeps_log: bool = False
 
     result_type: ClassVar[Any] = Scored
@@ -62,7 +65,7 @@ class Run:
             self.trace,
             self.hardware,
             repr(self.options),
-            repr((self.warmup_s, self.keeps_log)),
+            repr((self.warmup_s, self.miss, self.keeps_log)),
         )
         digest = hashlib.blake2b("\n".join(named).encode(), digest_size=SIZE_BYTES)
         return digest.hexdigest()
@@ -75,5 +78,6 @@ class Run:
             inputs[self.hardware],
             self.options,
             self.warmup_s,
+            self.miss,
         )
         return score(world, self.policy, keeps_log=self.keeps_log, beat=beat)

@@ -10,10 +10,16 @@ from ...policies.protocol import Policy, why_not_applicable
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
+from ..metrics.footing import Footing, find_footing
 from ..metrics.measured_frames import MeasuredFrames, require_window
 from ..metrics.metric_registry import METRICS
+from ..metrics.over_time import time_quantile
 from ..metrics.steps import Step, find_steps
+from ..metrics.worst_moment import Moment, find_worst_moment
 from .engine.task import Beat, NotApplicableError
+
+MISS = 0.01
+"""Share of time for which a policy may exceed the budget and still keep it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +30,8 @@ class World:
     ----------
     warmup_s : float
         Seconds at the start of the path that no metric counts.
+    miss : float
+        Share of time for which the budget may be exceeded.
     """
 
     scene: Scene
@@ -31,6 +39,7 @@ class World:
     hardware: HardwareProfile
     options: ReplayOptions
     warmup_s: float
+    miss: float = MISS
 
     def require_window(self) -> None:
         """Raise `InputError` if all of the path would be warm-up, whatever the policy."""
@@ -51,12 +60,21 @@ class Scored:
         Answers to the steps in visible load.
     frames : int
         Frames replayed, warm-up included.
+    judged_ms : float
+        Work time by which the budget is judged: its quantile over time, 1 - miss.
+    worst : Moment
+        When most work was done.
+    footing : Footing
+        What there was to tell policies apart by.
     """
 
     log: FrameLog | None
     values: dict[str, float | None]
     steps: tuple[Step, ...]
     frames: int
+    judged_ms: float
+    worst: Moment
+    footing: Footing
 
     def __post_init__(self) -> None:
         # It may come from a process in which a policy replaced what makes it.
@@ -100,7 +118,18 @@ def score(world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat) -> Sco
     )
     frames = measure(log, world.trace, world.warmup_s)
     values = {metric.id: metric(frames) for metric in METRICS}
-    return Scored(log if keeps_log else None, values, find_steps(frames), len(log))
+    quantile = 1.0 - world.miss
+    judged_ms = time_quantile(frames.work_ms, frames.cost_weight_ms, quantile)
+    return Scored(
+        log=log if keeps_log else None,
+        values=values,
+        steps=find_steps(frames),
+        frames=len(log),
+        # Frames that are not shown within the window weigh nothing there: then each counts once.
+        judged_ms=float(frames.work_ms.max()) if judged_ms is None else judged_ms,
+        worst=find_worst_moment(frames, world.hardware),
+        footing=find_footing(frames, quantile),
+    )
 
 
 def measure(log: FrameLog, trace: CameraTrace, warmup_s: float) -> MeasuredFrames:

@@ -111,10 +111,7 @@ def quantiles_ms(
 ) -> FloatArray:
     """Return the work time that budgets judge at each value of the knob on each path, (K, n)."""
     return np.array(
-        [
-            [replays[Place(label, path, seed, value)].judged_ms for path in paths]
-            for value in values
-        ]
+        [[replays[Place(label, path, seed, value)].judged_ms for path in paths] for value in values]
     )
 
 

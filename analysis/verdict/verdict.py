@@ -90,9 +90,7 @@ def reach_verdict(
     keeps = {label: _keeps(item, terms.budget_ms) for label, item in by_label.items()}
     same = _same(judged)
     surely = {label for label, item in keeps.items() if _is_sure(item)}
-    rivals = [
-        item for item in judged if item.label in surely - same.keys() and not item.oracle
-    ]
+    rivals = [item for item in judged if item.label in surely - same.keys() and not item.oracle]
     criteria = _criteria(rivals, terms.margin)
     groups = ranking([item.label for item in rivals], criteria) if rivals else ()
     results = [_result(item, keeps[item.label], same) for item in judged]
@@ -241,9 +239,7 @@ def _least_miss(judged: Sequence[Judged], budget_ms: float) -> LeastMiss | None:
     return None if label is None else LeastMiss(label, ratios[label])
 
 
-def _robustness(
-    curves: Mapping[str, curves_of.Curve], budget_ms: float
-) -> Robustness | None:
+def _robustness(curves: Mapping[str, curves_of.Curve], budget_ms: float) -> Robustness | None:
     if not curves or next(iter(curves.values())).p99_ms.shape[1] < 2:
         return None
     found = robustness(curves, budget_ms)

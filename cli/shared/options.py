@@ -19,6 +19,14 @@ AsJson = Annotated[bool, Option("--json", help="Print one JSON document.")]
 Scene = Annotated[str, Option(help="A bundled scene, or a scene file.")]
 SceneWithMeshes = Annotated[str, Option(help="A bundled scene, or a scene file with meshes.")]
 Trace = Annotated[str, Option(help=_TRACE)]
+Traces = Annotated[
+    list[str] | None,
+    Option("--trace", help=f"{_TRACE} May be repeated, and a file may be a glob."),
+]
+Paths = Annotated[
+    int | None,
+    Option(help="Paths of a kind of movement, each by a seed of its own; else 10, or 4 quick."),
+]
 Place = Annotated[str, Option(help=_PLACE)]
 Hardware = Annotated[str, Option(help="A bundled profile, or a TOML file.")]
 Policy = Annotated[str | None, Option(help=f"{POLICY_HELP}.")]

@@ -11,7 +11,7 @@ from ..values import format_value
 
 @section("What each policy gives at every budget")
 def tradeoffs(results: Results) -> tuple[Chart, Table] | tuple[Chart]:
-    """A line is one policy as its knob turns; the point on it is where it was set for this budget.
+    """Each line is a policy as its knob turns; its point is where it was set for this budget.
 
     Lower is better; the dashed line is the budget.  Work is the time that budgets judge, the mean
     over paths.  A policy without a knob is a point.

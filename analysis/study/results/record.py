@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import msgspec
 import pyarrow as pa
 
+from ...metrics.footing import Footing
 from ...metrics.metric_registry import METRICS
 from ...metrics.steps import Step
+from ...metrics.worst_moment import Moment
 from ..engine.task import Failure
 from ..score import Scored
 
@@ -47,6 +49,7 @@ COLUMNS: dict[str, pa.DataType] = {
     "frame": pa.int64(),  # in which it failed; null before the first, and where it is ok
     "frames": pa.int64(),  # replayed, warm-up included; null unless it is ok
     "log_hash": pa.string(),  # of the file of its frame log; null where none is kept
+    "judged_ms": pa.float64(),  # work time by which the budget is judged; null unless it is ok
 }
 """What every row has, by name."""
 
@@ -62,7 +65,25 @@ _STEP = pa.struct(
         ("overshoot_ratio", pa.float64()),
     ]
 )
+_WORST = "worst"
+_MOMENT = pa.struct(
+    [
+        ("path", pa.string()),
+        ("time_s", pa.float64()),
+        ("camera_m", pa.list_(pa.float64(), 3)),
+        ("work_ms", pa.float64()),
+        ("usual_ms", pa.float64()),
+        ("term", pa.string()),
+        ("grown_ms", pa.float64()),
+    ]
+)
+_FOOTING = "footing"
+_GROUND = pa.struct([("full_gpu_ms", pa.float64()), ("empty_fraction", pa.float64())])
 _IDS = tuple(metric.id for metric in METRICS)
+
+
+_OF_SCORED = ("digest", "status", "reason", "frame", "frames", "judged_ms")
+_DECODED = (*_OF_SCORED, _STEPS, _WORST, _FOOTING)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +111,7 @@ def schema_of(axes: Mapping[str, Sequence[AxisValue]]) -> pa.Schema:
     fields += [pa.field(name, _kind_of(values)) for name, values in axes.items()]
     fields += [pa.field(name, pa.float64()) for name in _IDS]
     fields.append(pa.field(_STEPS, pa.list_(_STEP)))
+    fields += [pa.field(_WORST, _MOMENT), pa.field(_FOOTING, _GROUND)]
     names = [item.name for item in fields]
     taken = next((name for name in axes if names.count(name) > 1), None)
     if taken is not None:
@@ -110,6 +132,9 @@ def encode(runs: "RunList", entries: Sequence[Entry]) -> pa.Table:
     columns[_STEPS] = [
         None if one is None else [asdict(step) for step in one.steps] for one in scored
     ]
+    columns["judged_ms"] = [None if one is None else one.judged_ms for one in scored]
+    columns[_WORST] = [None if one is None else asdict(one.worst) for one in scored]
+    columns[_FOOTING] = [None if one is None else asdict(one.footing) for one in scored]
     return pa.Table.from_pydict(columns, schema=schema)
 
 
@@ -119,8 +144,7 @@ def decode(table: pa.Table) -> Iterator[tuple[str, Scored | Failure]]:
     Scores come without their frame log.
     """
     columns: dict[str, list[Any]] = {
-        name: table.column(name).to_pylist()
-        for name in ("digest", "status", "reason", "frame", "frames", _STEPS, *_IDS)
+        name: table.column(name).to_pylist() for name in (*_DECODED, *_IDS)
     }
     for row, digest in enumerate(columns["digest"]):
         status = columns["status"][row]
@@ -134,8 +158,15 @@ def decode(table: pa.Table) -> Iterator[tuple[str, Scored | Failure]]:
                 values={name: columns[name][row] for name in _IDS},
                 steps=tuple(Step(**step) for step in columns[_STEPS][row]),
                 frames=columns["frames"][row],
+                judged_ms=columns["judged_ms"][row],
+                worst=Moment(**columns[_WORST][row] | _camera(columns[_WORST][row])),
+                footing=Footing(**columns[_FOOTING][row]),
             ),
         )
+
+
+def _camera(moment: Mapping[str, Any]) -> dict[str, Any]:
+    return {"camera_m": tuple(moment["camera_m"])}
 
 
 def _about(runs: "RunList", entries: Sequence[Entry]) -> dict[str, list[Any]]:
@@ -178,7 +209,7 @@ _OF_RUN = {
 
 
 def _options(run: Any) -> str:
-    return _json(asdict(run.options) | {"warmup_s": run.warmup_s})
+    return _json(asdict(run.options) | {"warmup_s": run.warmup_s, "miss": run.miss})
 
 
 def _json(value: object) -> str:

@@ -1,0 +1,2 @@
+def vary(trace, seed):
+    return trace
