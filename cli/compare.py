@@ -5,6 +5,7 @@ from typing import Annotated
 
 from typer import Argument, Exit, Option
 
+from ..base.errors import InputError
 from .shared import options
 from .shared.command_line import command_of
 from .shared.progress import progress_bar
@@ -181,3 +182,19 @@ def compare(
         print(f"report: {out / 'report.html'}")
     if compared.comparison.failed:
         raise Exit(1)
+
+
+def _print_changes(folders: list[Path], *, as_json: bool) -> None:
+    """Print what changed from one folder to another."""
+    from ..analysis.report.changes_table import print_changes
+    from ..analysis.study.comparison_folder import read_results
+    from ..analysis.verdict.changes import find_changes
+
+    if len(folders) != 2:
+        raise InputError(f"compare: expected two folders or none, got {len(folders)}; name two")
+    before, after = map(read_results, folders)
+    changes = find_changes(before, after)
+    if as_json:
+        print_record(changes)
+    else:
+        print_changes(changes, table_console(100))
