@@ -3,8 +3,8 @@
 The joint posterior of P means, given n paths that all policies share, is a multivariate t whose
 scatter is that of the paths: policies that rise and fall together stay together, so that small
 paired differences are told from large common ones.  A draw is the means plus the centred data
-times normal weights, which never needs the P × P covariance.  The chance of being
-the best is taken from leads that are shrunk: of many equals one is always in front.
+times normal weights, which never needs the P × P covariance.  The chance of being the best is taken
+from leads that are shrunk: of many equals one is always in front.
 """
 
 from collections.abc import Sequence
@@ -66,7 +66,8 @@ def p_best_in_order(criteria: Sequence[Criterion], draws: int = 4000, seed: int 
     """
     policies, n = criteria[0].values.shape
     if n < 2:
-        return np.full(policies, np.nan, dtype=np.float64)
+        unknown: FloatArray = np.full(policies, np.nan)
+        return unknown
     sampled = _posterior(criteria, draws, seed, shrunk=True)
     left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
     for criterion, means in zip(criteria, sampled, strict=True):
