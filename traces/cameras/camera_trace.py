@@ -117,6 +117,40 @@ class CameraTrace:
         """Time of the last sample."""
         return self._times[-1]
 
+    def stretch(self, start_s: float = 0.0, end_s: float | None = None) -> "CameraTrace":
+        """Return the part of the path between two times, as a path whose clock begins at 0.
+
+        Raises `InputError` if it is empty, or not all of it is on the path.
+
+        Parameters
+        ----------
+        end_s
+            None for the end of the path.
+        """
+        end_s = self.duration_s if end_s is None else end_s
+        if not 0.0 <= start_s < end_s <= self.duration_s:
+            raise InputError(
+                f"seconds: expected a stretch of {self.name} within 0:{self.duration_s:g}, got "
+                f"{start_s:g}:{end_s:g}; name one that begins before it ends, on the path"
+            )
+        if (start_s, end_s) == (0.0, self.duration_s):
+            return self
+        inside = (self.time_s > start_s) & (self.time_s < end_s)
+        first, last = self.pose_at(start_s), self.pose_at(end_s)
+        # A teleport at the very end is still one; at the very start nothing comes before it.
+        ends_in_cut = bool(self.cut[self.time_s == end_s].any())
+        return CameraTrace(
+            f"{self.name} {start_s:g}:{end_s:g} s",
+            np.concatenate(((0.0,), self.time_s[inside] - start_s, (end_s - start_s,))),
+            np.vstack((first.position_m, self.position_m[inside], last.position_m)),
+            np.vstack(
+                (first.orientation_xyzw, self.orientation_xyzw[inside], last.orientation_xyzw)
+            ),
+            np.concatenate(((False,), self.cut[inside], (ends_in_cut,))),
+            self.origin_s + start_s,
+            self.repairs,
+        )
+
     def pose_at(self, time_s: float) -> Pose:
         """Pose at one time, written in scalars because a replay asks once a frame."""
         times = self._times
