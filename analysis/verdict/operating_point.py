@@ -5,13 +5,13 @@ left their defaults.  Replays per knob and path are made once: rows are knobs fr
 columns are paths, and each training set takes its columns.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from ...base.arrays import FloatArray
 from .keeping import predictive_probability
@@ -23,6 +23,7 @@ SURE = 0.9
 
 _DIP = 0.02  # fall of ln p99 towards finer that counts: less is noise of the replays
 _NARROW = 0.05  # of a bracket: a ratio less 1, or a share of the range
+_CLOSE = 0.95  # of that, so that rounding does not leave a bracket just too wide
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +86,11 @@ def next_knob(
 ) -> float | None:
     """Return the knob's value to replay next on all paths, or None where all is known well enough.
 
-    It halves, on the knob's scale, the bracket between the finest knob that keeps the budget and
-    its next finer: the bracket that most training sets wait for, and of these the coarsest.  A
-    bracket within 5 % (of its value on a log scale, of the range on a linear one) is narrow enough.
+    It lies in the bracket between the finest knob that keeps the budget and its next finer: in the
+    bracket that most training sets wait for, and of these the coarsest.  There it is where the
+    bound that must be within the budget would reach it, were it straight between (regula falsi);
+    close to an end, it is where a bracket from that end would be narrow enough: within 5 % of its
+    value on a log scale, of the range on a linear one.
 
     Parameters
     ----------
@@ -101,18 +104,37 @@ def next_knob(
     ln_ratio = np.log(p99_ms / budget_ms)
     at = np.log(values) if scale == "log" else values
     narrow = np.log1p(_NARROW) if scale == "log" else _NARROW * np.ptp(values)
-    waiting: Counter[int] = Counter()
+    waiting: dict[int, list[float]] = {}
     for paths in training:
-        sure = np.flatnonzero(keeps_surely(ln_ratio[:, paths]))
+        of_set = ln_ratio[:, paths]
+        sure = np.flatnonzero(keeps_surely(of_set))
         if len(sure) and sure[-1] + 1 < len(at):
             i = int(sure[-1])
             if abs(at[i + 1] - at[i]) > narrow:
-                waiting[i] += 1
+                kept, beyond = _bound(of_set[i]), _bound(of_set[i + 1])
+                waiting.setdefault(i, []).append(_crossing(kept, beyond))
     if not waiting:
         return None
-    i = max(waiting, key=lambda index: (waiting[index], -index))
-    middle = float((at[i] + at[i + 1]) / 2)
-    return float(np.exp(middle)) if scale == "log" else middle
+    i = max(waiting, key=lambda index: (len(waiting[index]), -index))
+    width = abs(at[i + 1] - at[i])
+    nearest = min(_CLOSE * narrow / width, 0.5)
+    share = float(np.clip(np.median(waiting[i]), nearest, 1.0 - nearest))
+    next_at = float(at[i] + share * (at[i + 1] - at[i]))
+    return float(np.exp(next_at)) if scale == "log" else next_at
+
+
+def _bound(ln_ratio: FloatArray) -> float:
+    """Return what ln of p99 over budget on another path is surely below, from those of t paths."""
+    n = len(ln_ratio)
+    if n == 1:
+        return float(ln_ratio[0])
+    reach = float(stdtrit(n - 1, SURE)) * np.sqrt(1 + 1 / n)
+    return float(ln_ratio.mean() + reach * ln_ratio.std(ddof=1))
+
+
+def _crossing(kept: float, beyond: float) -> float:
+    """Return where between two bounds, at most 0 and above, a line through them is 0."""
+    return 0.5 if not np.isfinite(beyond - kept) or beyond <= kept else -kept / (beyond - kept)
 
 
 def keeps_surely(ln_ratio: FloatArray) -> NDArray[np.bool_]:
