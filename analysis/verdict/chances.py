@@ -66,8 +66,7 @@ def p_best_in_order(criteria: Sequence[Criterion], draws: int = 4000, seed: int 
     """
     policies, n = criteria[0].values.shape
     if n < 2:
-        unknown: FloatArray = np.full(policies, np.nan)
-        return unknown
+        return np.full((policies,), float("nan"))
     sampled = _posterior(criteria, draws, seed, shrunk=True)
     left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
     for criterion, means in zip(criteria, sampled, strict=True):
