@@ -14,7 +14,7 @@ from lodbench.analysis.metrics.worst_moment import Moment
 from lodbench.analysis.study.score import Scored
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
-from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance
+from lodbench.models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import ObjectTypes, Scene
@@ -114,6 +114,7 @@ def machine() -> HardwareProfile:
         gpu=CostModel.of(1.0, {"triangles": 1e-4}),
         cpu=CpuCostModel.of(4.0, {"objects_visited": 1e-4}),
         gpu_residual=Residual("gaussian", 0.02),
+        display=Display("immediate"),
     )
 
 

@@ -12,7 +12,7 @@ from lodbench.analysis.gate.measurements import Conditions, MeasuredPolicy, Meas
 from lodbench.analysis.gate.measurements import measure as measure_policies
 from lodbench.analysis.study.score import World
 from lodbench.models.machine.cost import CostModel, CpuCostModel
-from lodbench.models.machine.hardware import HardwareProfile, Provenance
+from lodbench.models.machine.hardware import Display, HardwareProfile, Provenance
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
@@ -21,7 +21,6 @@ from lodbench.traces.cameras.camera_trace import CameraTrace
 from lodbench.traces.cameras.generators.generate import generate
 
 WHOLE, REDUCED = 300, 75  # studies; the first of the whole are the reduced
-FRAMES = 230  # 200 after the warm-up: two of them make the 99th percentile
 LIMITS = parse_limits(DEFAULT_LIMITS)
 FULL = [parse_policy("full")]
 
@@ -34,22 +33,23 @@ def machine(slower: float) -> HardwareProfile:
         CostModel.of(4.0 * slower, {"triangles": 1e-4 * slower}),
         CpuCostModel.of(2.0, {}),
         Residual("student-t", 0.03, 5.0),
+        display=Display("immediate"),
     )
 
 
 @pytest.fixture(scope="module")
 def study_trace() -> CameraTrace:
     """Return a walk among the sixty objects."""
-    return generate("walk", duration_s=4.0, extent_m=15.0, center_m=(30.0, 0.0, 0.0), seed=1)
+    return generate("walk", duration_s=2.5, extent_m=15.0, center_m=(30.0, 0.0, 0.0), seed=1)
 
 
 def measure(
     scene: Scene, trace: CameraTrace, seed: int, slower: float
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Measure one study with the default settings."""
-    options = ReplayOptions(budget_ms=16.7, seed=seed, frames=FRAMES)
+    options = ReplayOptions(budget_ms=16.7, seed=seed)
     return measure_policies(
-        FULL, World(scene, trace, machine(slower), options, 30), MeasureOptions()
+        FULL, World(scene, trace, machine(slower), options, 0.3), MeasureOptions()
     )
 
 
