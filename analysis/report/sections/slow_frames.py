@@ -14,7 +14,7 @@ _TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
 
 @section("How slow the slow frames are")
 def slow_frames(results: Results) -> tuple[Chart]:
-    """On the first path, the share of time in frames that take at least so long, on a logarithmic scale.
+    """On the first path, the share of time in frames that take so long or longer; both logarithmic.
 
     The 99th percentile is where a line crosses 1 %.
     """
