@@ -106,7 +106,7 @@ def compare(
     out: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> "Comparison":
-    """Tune policies to one budget, judge them on the same paths, and say which, as the command does.
+    """Tune policies to one budget, judge them on the same paths, and say which to take.
 
     A policy that breaks its contract is reported as failed, and the others are finished.
 
