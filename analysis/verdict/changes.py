@@ -174,10 +174,7 @@ def _test(
     before = np.array([row[metric] for row in then.values()])
     after = np.array([now[path][metric] for path in (then if paired else now)])
     means = float(before.mean()), float(after.mean())
-    if paired:
-        samples = [after - before]
-    else:
-        samples = [after, before]
+    samples = [after - before] if paired else [after, before]
     if min(map(len, samples)) < 2 or not np.isfinite(means).all():
         return (*means, np.nan, np.nan, np.nan)
     change = means[1] - means[0]
