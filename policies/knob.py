@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any, Literal, get_args
 
 from ..base.errors import InputError
-from ..base.foreign_text import describe_value
+from ..base.foreign_text import describe_error, describe_value
 from ..base.nearest_names import unknown_name
 from .policy_spec import PolicySpec, parameters
 from .registry import vary_policy
@@ -126,8 +126,9 @@ def knob_of(spec: PolicySpec) -> Knob | None:
     policy = spec.make()
     try:
         knob: object = getattr(policy, "knob", None)
-    except InputError as error:
-        raise InputError(f"policy class {spec.cls.__name__}: {error}") from error
+    except (Exception, SystemExit) as error:  # a user's property may raise anything
+        said = describe_error(error)
+        raise InputError(f"policy class {spec.cls.__name__}: knob: {said}") from error
     if knob is None:
         return None
     where = f"policy class {spec.cls.__name__}: knob"

@@ -178,6 +178,21 @@ def test_a_wrong_knob_of_a_users_class_is_a_line_that_names_it(
     assert "\n" not in str(refused.value)
 
 
+class Raising(Mine):
+    """A policy whose knob is a property that fails."""
+
+    @property
+    def knob(self) -> Knob:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Divide by zero."""
+        return Knob("share", 0.1, 1 / (self.count - 3))
+
+
+def test_a_property_that_fails_is_named() -> None:
+    """Whatever a user's code raises is one line with the class."""
+    with pytest.raises(InputError, match=r"^policy class Raising: knob: .*ZeroDivisionError"):
+        knob_of(spec_of(Raising))
+
+
 def test_a_class_that_refuses_an_end_of_its_range_is_named() -> None:
     """The range is tried, not believed."""
     with pytest.raises(InputError, match=r"^policy class Refusing: knob: .*too much"):
