@@ -14,8 +14,8 @@ dash           2     runs ahead
 
 The times are those of a path of 12 s; others scale.  Order, places and speeds are drawn by seed.
 The view is of little load or of much: ramps, steps and turns change which, so they are drawn in an
-order in which a step up comes where load is little, and the edge where it is much.  No part begins with a jump but the steps.
-Between the two views there is always something to be seen, by the shorter or by the longer way.
+order in which a step up comes where load is little, and the edge where it is much.  No part begins
+with a jump but the steps.  Between the two views there is always something to be seen.
 Sudden turns are those of Gobbetti and Bouvier, "Time-critical multiresolution rendering of large
 complex models", section 5; the other parts, and all numbers, are assumed.
 """
