@@ -5,6 +5,7 @@ difference.  Values are turned so that more is worse; of a metric in which more 
 hand the negatives.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
@@ -130,10 +131,15 @@ def needed_replicates(
     if len(diff) < 2 or distance == 0:
         return None
     error = alpha if diff.mean() > limit else 1 - level
-    n = np.arange(2, _MOST + 1, dtype=np.float64)
-    wanted = stdtrit(n - 1, 1 - error) + stdtrit(n - 1, _POWER)
-    enough = distance >= wanted * float(diff.std(ddof=1)) / np.sqrt(n)
-    return int(n[enough.argmax()]) if enough.any() else None
+    sd = float(diff.std(ddof=1))
+
+    def decide(n: int) -> bool:
+        wanted = float(stdtrit(n - 1, 1 - error) + stdtrit(n - 1, _POWER))
+        return distance >= wanted * sd / sqrt(n)
+
+    counts = range(2, _MOST + 1)
+    found = bisect_left(counts, True, key=decide)  # more replicates never decide less
+    return counts[found] if found < len(counts) else None
 
 
 def _p(beyond: FloatArray) -> float:
