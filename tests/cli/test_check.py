@@ -91,7 +91,7 @@ def test_a_baseline_is_written_once_and_held_against(
     capsys.readouterr()
     assert run(FULL) == 1
     out = capsys.readouterr().out
-    assert "FAILS: full in plaza on tour: frame_ms_p99" in out
+    assert "FAILS: full in plaza on tour: work_ms_p99" in out
     assert "% on a baseline of" in out
 
 

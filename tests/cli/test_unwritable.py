@@ -158,7 +158,7 @@ def test_a_full_disk_is_told_after_the_scores(
     if how == "json":
         assert json.loads(captured.out)["seed"] == 7
     else:
-        assert "• full" in captured.out
+        assert "\nfull " in captured.out
         assert "report:" not in captured.out
     assert (folder / "comparison.json").read_bytes() == before
     # The runs are kept, so that only the writing is done again where there is room.

@@ -42,7 +42,7 @@ def test_what_fits_passes_and_what_does_not_fails(
         assert_budget("full", *world, replace(budget, budget_ms=3.9))
     assert str(failed.value) == (
         "FAILS: full in by-hand on by-hand: work_ms_p95 4.00 ms [4.00, 4.00], limit max budget "
-        "(3.9 ms); worst frame 30 of seed 0 at 0.12 s with 4.00, camera at (0.00, 0.00, 0.00) m"
+        "(3.9 ms); worst frame 26 of seed 0 at 0.10 s with 4.00, camera at (0.00, 0.00, 0.00) m"
     )
 
 
