@@ -222,7 +222,7 @@ def check(
     ----------
     limits
         TOML file; None for the 95th percentile of the work time within the budget and, if there is
-        a baseline, the 99th of the frame time at most 2.5 % up.
+        a baseline, the 99th of the work time at most 2.5 % up.
     budget_ms, seconds, warmup_s, visible_px, workers, scheduler, policy_timeout_s,
     policy_memory_bytes
         As `compare` has them.

@@ -26,7 +26,7 @@ LimitsFile = Annotated[
     Path | None,
     Option(
         help="Limits in TOML; else work_ms_p95 within the budget, and, with a baseline, "
-        "frame_ms_p99 at most 2.5% up."
+        "work_ms_p99 at most 2.5% up."
     ),
 ]
 Scenes = Annotated[list[str] | None, Option(help="A bundled scene or a file; may be repeated.")]

@@ -11,7 +11,7 @@ from .limits import Kind, Limit, LimitRules, Rule
 
 ABSOLUTE_LIMITS = '[limits]\nwork_ms_p95 = { max = "budget" }\n'
 """Limits without a file and without a baseline."""
-DEFAULT_LIMITS = ABSOLUTE_LIMITS + 'frame_ms_p99 = { max_increase = "2.5%" }\n'
+DEFAULT_LIMITS = ABSOLUTE_LIMITS + 'work_ms_p99 = { max_increase = "2.5%" }\n'
 """Limits without a file.  2.5 % lies midway between no change and the 5 % that has to be found."""
 
 _SCOPE = ("policy", "scene", "trace")

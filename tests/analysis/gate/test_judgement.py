@@ -1,5 +1,6 @@
 """Verdicts worked by hand from intervals, changes and floors."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -20,11 +21,11 @@ def measured(
     high: float | None = None,
     *,
     metric: str = "frame_ms_p99",
-    by_seed: list[float | None] | None = None,
+    by_seed: Sequence[float | None] | None = None,
 ) -> MeasuredPolicy:
     """Build what was measured of one metric."""
     score = Score(value, low, high, "ms", "lower")
-    values = {metric: [value] if by_seed is None else by_seed}
+    values = {metric: [value] if by_seed is None else list(by_seed)}
     return MeasuredPolicy("pid", "yard", "walk", None, False, {metric: score}, values)
 
 

@@ -44,12 +44,12 @@ def replays(make_hardware_once: Callable[[float], HardwareProfile]) -> Replays:
     """Validate a profile on a machine that is one tenth slower than it says."""
     profile, slower = make_hardware_once(1.0), make_hardware_once(1.1)
     scene = load_scene("plaza")
-    trace = tour((0.0, 0.0, 0.0), (200.0, 200.0))
-    options = ReplayOptions(budget_ms=20.0, frames=120)
+    trace = tour((0.0, 0.0, 0.0), (200.0, 200.0)).stretch(0.0, 2.5)
+    options = ReplayOptions(budget_ms=20.0)
     again = replace(options, seed=5)
     comparison, simulated = compare(
         [parse_policy(label) for label in LABELS], scene, trace, profile, options,
-        CompareOptions(workers=1, resamples=40, draws=4),
+        CompareOptions(workers=1, draws=4, warmup_s=0.5),
     )  # fmt: skip
     pairs: dict[str, Pair] = {}
     for label in LABELS:
@@ -132,7 +132,7 @@ def test_inside_is_what_lies_between_the_ends(replays: Replays) -> None:
 def test_the_record_comes_back_from_its_json(replays: Replays) -> None:
     """The JSON begins with its schema and holds every field."""
     text = encode_record(replays[0])
-    assert text.startswith(b'{\n "schema": "lodbench.validate/1"')
+    assert text.startswith(b'{\n "schema": "lodbench.validate/2"')
     assert msgspec.json.decode(text, type=Validation) == replays[0]
 
 
@@ -164,16 +164,22 @@ def test_what_cannot_be_priced_is_refused(replays: Replays) -> None:
 
 
 def test_a_recording_of_warm_up_alone_is_refused(replays: Replays) -> None:
-    """A recording with no frame beyond the warm-up is named."""
-    _, pairs, profile = replays
-    scene = load_scene("plaza")
-    trace = tour((0.0, 0.0, 0.0), (200.0, 200.0))
+    """A recording that ends before the window has nothing to compare, and says so."""
+    validation, pairs, profile = replays
+    simulated = pairs["full"].simulated
+    early = simulated["input_ns"] < 0.5e9
+    short = FrameLog(simulated.header, simulated.times_ns[early], simulated.counts[early])
     comparison, _ = compare(
-        [parse_policy("full")], scene, trace, profile, ReplayOptions(budget_ms=20.0, frames=40),
-        CompareOptions(workers=1, resamples=2, draws=0),
-    )  # fmt: skip
-    short = FrameLog(pairs["full"].simulated.header, pairs["full"].simulated.times_ns[:31],
-                     pairs["full"].simulated.counts[:31])  # fmt: skip
-    pair = Pair((Measured(short, counts_of(short)),), pairs["full"].simulated)
-    with pytest.raises(InputError, match="full: expected more than 31 frames, got 31"):
+        [parse_policy("full")],
+        load_scene("plaza"),
+        tour((0.0, 0.0, 0.0), (200.0, 200.0)).stretch(0.0, 2.5),
+        profile,
+        ReplayOptions(budget_ms=20.0),
+        CompareOptions(workers=1, draws=0, warmup_s=0.5),
+    )
+    assert comparison.window_s == validation.window_s == (0.5, 2.5)
+    pair = Pair((Measured(short, counts_of(short)),), simulated)
+    with pytest.raises(
+        InputError, match=r"frame that begins in 0.5 to 2.5 s of the path, got none"
+    ):
         validate(comparison, {"full": pair}, profile, {})
