@@ -220,4 +220,4 @@ def test_a_knob_is_read_without_running_what_is_the_users() -> None:
     """The class is not made; what it would compute is none; ours is as `knob_of` has it."""
     assert declared_knob(spec_of(Hostile)) == StaticScreen.knob
     assert declared_knob(spec_of(Computed)) is None
-    assert declared_knob(parse_policy("hoppe")) == Hoppe.knob
+    assert declared_knob(parse_policy("hoppe")) == knob_of(parse_policy("hoppe"))
