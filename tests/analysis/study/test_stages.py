@@ -110,7 +110,7 @@ def test_ways_differ_by_seed() -> None:
     plain = stage.move("drive", 10.0)
     assert plain.name == "drive"
     assert plain.position_m[0, :2] == pytest.approx([0.0, 0.0])
-    speeds, areas = [], []
+    speeds, areas = list[float](), list[float]()
     starts = set[tuple[int, ...]]()
     for seed in range(1, 25):
         x, y = stage.move("drive", 10.0, seed).position_m[:, :2].T
