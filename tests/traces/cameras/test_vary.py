@@ -21,7 +21,7 @@ def straight(length_s: float = 20.0) -> CameraTrace:
 
 def test_speeds_and_starts_are_within_their_bounds() -> None:
     """At 0.8 to 1.2 m/s from at most 2 m either way of the start, over the bounds' whole range."""
-    speeds, starts = [], []
+    speeds, starts = list[float](), list[float]()
     for seed in SEEDS:
         x = vary(straight(), seed).position_m[:, 0]
         speeds.append(float(np.median(np.abs(np.diff(x)))) * 30.0)
@@ -97,7 +97,7 @@ def test_one_pose_and_wrong_seeds() -> None:
     """A path of one pose has nothing to vary; a seed below 0 is refused."""
     path = straight().stretch(0.0, 0.1)
     one = CameraTrace(
-        "one", path.time_s[:1], path.position_m[:1], path.orientation_xyzw[:1], [False]
+        "one", path.time_s[:1], path.position_m[:1], path.orientation_xyzw[:1], np.zeros(1, bool)
     )
     assert vary(one, 1) is one
     with pytest.raises(InputError, match="seed: expected"):
