@@ -98,4 +98,4 @@ def test_a_regression_is_found_and_a_rerun_is_not(
     ]
     change = report.verdicts[1].change
     assert change is not None
-    assert change.value == pytest.approx(5.0, abs=0.5)
+    assert change.value == pytest.approx(5.0, abs=1.0)
