@@ -14,7 +14,7 @@ from ..shared.ranges import Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
-from ..solvers.active_set import search_active_set
+from ..solvers.active_set import ActiveSet
 from ..solvers.allocation import Allocation, solve
 from ..view import View
 
@@ -52,20 +52,20 @@ class Gobbetti:
     s is importance times Reddy's velocity and eccentricity factors (focus at the centre of the
     screen), w an image factor.  An object of the roofline cost ``max(T_tri · n · r, T_pix · A)`` is
     never coarser than ``T_pix · A / (T_tri · n)``, below which nothing is saved.  The active-set
-    search begins at the last frame's resolutions, with newcomers at their lowest, and stops after
+    search begins with the bounds that hold at the last frame's price of time, and stops after
     `max_iterations` passes with what it has, which always keeps the budget; `newton` finds the same
-    optimum at once.  If even the lowest resolutions do not fit, they are drawn.  Discrete types
+    optimum without what the last frame knew.  If even the lowest resolutions do not fit, they are drawn.  Discrete types
     get the finest level not above their resolution, and what that saves is left unspent.
 
     Uses: the cost model, projected area, apparent speed, eccentricity, importance, its own last
-    resolutions.
+    price of time.
 
     Parameters: `m`, `weight` (w: area, or area per triangle), `velocity` and `eccentricity`
     (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
     `adapt` (rate at which predictions follow measured times).
 
-    Cost per frame: O(n) a pass; an active set that changes little needs few passes, a first frame
-    or a cut up to n.
+    Cost per frame: O(n) a pass; two or three passes as a camera moves, some five at first and after a
+    cut.
 
     Reference: Gobbetti and Bouvier, Time-critical multiresolution rendering of large complex
     models, CAD 2000; formulas restored, factors after Reddy 1997.  The paper bounds the search by
@@ -77,14 +77,14 @@ class Gobbetti:
     velocity: bool = True  # as in the paper
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
-    max_iterations: PositiveInt = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's limit is lost
+    max_iterations: PositiveInt = 48  # ours: ten times what frames take; the paper's limit is lost
     adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     @property
     def claims(self) -> Claims:
-        """What holds with this engine: a truncated search may be far from the optimum.
+        """What holds with this engine: a search that is cut off may be far from the optimum.
 
         With `adapt` the budget is kept by what frames took, not by the cost model.
         """
@@ -99,7 +99,7 @@ class Gobbetti:
         self._costs = make_resolution_costs(scene, "gobbetti")
         self._budget_ms = budget_ms
         self._v_time = VTime(self.adapt)
-        self._last = np.zeros(len(scene))
+        self._search = ActiveSet(self.max_iterations)
         self._kept = Kept(self._importance)
 
     def select(self, view: View) -> Selection:
@@ -112,11 +112,9 @@ class Gobbetti:
             resolution = problem.resolution(problem.high)
             work = Work(len(view), len(problem.cost), 1)
         else:
-            result = self._solve(problem, self.degradation(view), self._last[view.ids])
+            result = self._solve(problem, self.degradation(view))
             resolution = problem.resolution(result.x)
             work = Work(len(view), result.comparisons, result.iterations)
-        self._last.fill(0.0)
-        self._last[view.ids] = resolution
         selection = costs.selection(view, resolution, budget_ms, work)
         if not self.adapt:
             return selection
@@ -138,11 +136,6 @@ class Gobbetti:
             factor /= self._costs.primitives(view)
         return factor
 
-    def _solve(
-        self, problem: ResolutionProblem, degradation: FloatArray, start: FloatArray
-    ) -> Allocation:
+    def _solve(self, problem: ResolutionProblem, degradation: FloatArray) -> Allocation:
         shares = problem.shares(self.m * degradation, self.m + 1.0)
-        if self.engine == "newton":
-            return solve(shares)
-        begin = problem.pieces(start)
-        return search_active_set(shares, max_iterations=self.max_iterations, start=begin)
+        return solve(shares) if self.engine == "newton" else self._search.search(shares)
