@@ -155,6 +155,14 @@ class FrameCost:
             ms += unit_ms * term.count(shape)
         return ms
 
+    def anyway_ms(self, seen: Footprint) -> float:
+        """Return what all objects cost by the view's terms, where no level decides these.
+
+        Only where the model is `linear_in_detail`.
+        """
+        units = ((term.unit_ms, term.term.count((), seen)) for term in self._charged)
+        return sum([unit_ms * float(np.add.reduce(count)) for unit_ms, count in units])
+
     def objects_ms(
         self,
         row: IntArray,

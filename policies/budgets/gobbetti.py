@@ -54,8 +54,9 @@ class Gobbetti:
     never coarser than ``T_pix · A / (T_tri · n)``, below which nothing is saved.  The active-set
     search begins with the bounds that hold at the last frame's price of time, and stops after
     `max_iterations` passes with what it has, which always keeps the budget; `newton` finds the same
-    optimum without what the last frame knew.  If even the lowest resolutions do not fit, they are drawn.  Discrete types
-    get the finest level not above their resolution, and what that saves is left unspent.
+    optimum without what the last frame knew.  If even the lowest resolutions do not fit, they are
+    drawn.  Discrete types get the finest level not above their resolution, and what that saves is
+    left unspent.
 
     Uses: the cost model, projected area, apparent speed, eccentricity, importance, its own last
     price of time.
@@ -64,8 +65,8 @@ class Gobbetti:
     (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
     `adapt` (rate at which predictions follow measured times).
 
-    Cost per frame: O(n) a pass; two or three passes as a camera moves, some five at first and after a
-    cut.
+    Cost per frame: O(n) a pass; two or three passes as a camera moves, some five at first and
+    after a cut.
 
     Reference: Gobbetti and Bouvier, Time-critical multiresolution rendering of large complex
     models, CAD 2000; formulas restored, factors after Reddy 1997.  The paper bounds the search by
@@ -109,13 +110,11 @@ class Gobbetti:
         problem = costs.problem(view, budget_ms)
         if problem.affords_all():
             # What anything is worth need not be known.
-            resolution = problem.resolution(problem.high)
-            work = Work(len(view), len(problem.cost), 1)
+            selection = costs.in_full(view, Work(len(view), len(problem.cost), 1))
         else:
             result = self._solve(problem, self.degradation(view))
-            resolution = problem.resolution(result.x)
             work = Work(len(view), result.comparisons, result.iterations)
-        selection = costs.selection(view, resolution, budget_ms, work)
+            selection = costs.selection(view, problem.resolution(result.x), budget_ms, work)
         if not self.adapt:
             return selection
         return replace(selection, predicted_ms=self._v_time.expect(selection.predicted_ms))

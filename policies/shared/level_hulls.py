@@ -94,8 +94,8 @@ class LevelHulls:
         kind = same.kind if self._factors == 1 else same.kind * self._factors
         if row is not None:
             kind = kind + row
-        view_ms, _ = self._costs.view_line_above(same.kind, view, np.zeros(len(kind)))
-        rest_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types) + float(view_ms.sum())
+        rest_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+        rest_ms += self._costs.anyway_ms(view)
         choice = self._hulls.choose(
             kind, size, budget_ms - rest_ms, skip_misfits=skip_misfits, or_single=or_single
         )
