@@ -12,6 +12,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
 
 _BLOCK = 16_000  # points for which BLAS starts no threads
+_LEAST = 1e-300  # is lost in any length
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,5 +146,10 @@ def area_of_spheres(
 
 def eccentricity_deg(depth_m: FloatArray, distance_m: FloatArray) -> FloatArray:
     """Return angles between the view axis and directions to points, degrees in [0, 180]."""
-    ratio = np.divide(depth_m, distance_m, out=np.ones_like(depth_m), where=distance_m > 0)
-    return np.degrees(np.arccos(np.clip(ratio, -1.0, 1.0)))
+    # Changes nothing but 0 / 0 to 1: what is at the eye is on the axis.
+    ratio = depth_m + _LEAST
+    ratio /= distance_m + _LEAST
+    np.minimum(np.maximum(ratio, -1.0, out=ratio), 1.0, out=ratio)
+    angle_deg = np.arccos(ratio, out=ratio)
+    angle_deg *= math.degrees(1.0)
+    return angle_deg

@@ -28,9 +28,8 @@ def velocity_weight(speed_deg_s: FloatArray) -> FloatArray:
     """
     weight = np.maximum(speed_deg_s, 0.825)
     np.log10(weight, out=weight)
-    weight *= -27.78
-    weight += 57.69
-    weight /= 60.0
+    weight *= -27.78 / 60.0
+    weight += 57.69 / 60.0
     return np.minimum(np.maximum(weight, 0.1 / 60.0, out=weight), 1.0, out=weight)
 
 
@@ -130,10 +129,10 @@ class Gobbetti:
 
     def _importance(self, view: View) -> FloatArray:
         """Return importance, and per triangle if that is what w is; the same in every frame."""
-        factor = view.scene.importance[view.ids]
+        importance = view.nodes.importance
         if self.weight == "area-per-triangle":
-            factor /= self._costs.primitives(view)
-        return factor
+            return importance / self._costs.primitives(view)
+        return importance
 
     def _solve(self, problem: ResolutionProblem, degradation: FloatArray) -> Allocation:
         shares = problem.shares(self.m * degradation, self.m + 1.0)

@@ -113,7 +113,7 @@ class ResolutionCosts:
 
     def primitives(self, view: View) -> FloatArray:
         """Return the primitives of every candidate in full detail, at least 1, (m,)."""
-        return self._primitives[view.type_index]
+        return self._primitives.take(view.nodes.type_at)
 
     def finest(self, view: View) -> FloatArray:
         """Return every candidate in full detail, (m,)."""

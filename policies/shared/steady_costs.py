@@ -6,8 +6,8 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
-from ..solvers.column_counts import count_true
 from ..selection import Selection, Work
+from ..solvers.column_counts import count_true
 from ..view import View
 from .choices import require_costs
 from .kept import Kept
@@ -32,9 +32,9 @@ class _Same(NamedTuple):
         Sums of slope times low and times high.
     slope, low, high : (m,) float64
         Milliseconds per unit of resolution, and its bounds.
-    key : (L, m) float64
-        Coarseness of levels as `nearest_level` orders them; infinite where there is none.
-    coarsest : (m,) float64
+    key : (L - 1, m) float64
+        Coarseness of levels as `nearest_level` orders them, finest first; infinite for the
+        coarsest, which is what is left, and where there is none.
     """
 
     kind: IntArray
@@ -48,7 +48,6 @@ class _Same(NamedTuple):
     low: FloatArray
     high: FloatArray
     key: FloatArray
-    coarsest: FloatArray
 
 
 class SteadyCosts(ResolutionCosts):
@@ -58,10 +57,10 @@ class SteadyCosts(ResolutionCosts):
         """Raise InputError if the scene has no cost model; `policy` is named in the message."""
         super().__init__(scene, policy)
         levels = scene.types.levels
-        columns = np.arange(int(levels.level_count.max()))
+        columns = np.arange(int(levels.level_count.max()))[:-1]
         row = levels.rows_by_type()
-        coarseness = 1.0 - levels.resolution[row]
-        key = np.where(columns < levels.level_count[:, None], coarseness, np.inf)
+        coarseness = 1.0 - levels.resolution[row[:, :-1]]
+        key = np.where(columns < levels.level_count[:, None] - 1, coarseness, np.inf)
         self._key = np.ascontiguousarray(key.T)
         line = self._linear_line
         # Where nothing rises with the resolution less detail saves nothing.
@@ -91,7 +90,6 @@ class SteadyCosts(ResolutionCosts):
             self._least.take(kind),
             np.ones(len(kind)),
             self._key.take(kind, axis=1),
-            nodes.coarsest_level,
         )
 
     def fixed_ms(self, view: View) -> float:
@@ -131,8 +129,7 @@ class SteadyCosts(ResolutionCosts):
         if self._all_soft:
             return resolution
         same = self._kept.of(view)
-        coarser = count_true(np.less(same.key, 1.0 - resolution))
-        level = np.minimum(coarser, same.coarsest)
+        level = count_true(np.less(same.key, 1.0 - resolution)).astype(np.float64)
         if not self._any_soft:
             return level
         return np.where(self._levels.continuous.take(same.kind), resolution, level)
