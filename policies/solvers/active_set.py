@@ -96,11 +96,10 @@ class _Search:
         self._shares = shares
         self._unit = shares.unit()
         # What costs nothing, and so has an infinite unit, stands at `high` for good.
-        costs = shares.cost > 0.0
-        if costs.all():
+        if float(shares.cost.min()) > 0.0:
             self._paid = shares.cost * self._unit
         else:
-            nothing = np.zeros(len(costs))
+            costs, nothing = shares.cost > 0.0, np.zeros(len(shares.cost))
             self._paid = np.multiply(shares.cost, self._unit, out=nothing, where=costs)
         # Finite: `settle` has dealt with frames in which nothing that costs has weight.
         self.unbound = shares.budget / float(self._paid.sum())
@@ -117,13 +116,15 @@ class _Search:
         budget, scale = self._shares.budget, self.scale
         self.iterations += 1
         free, gap = self._hold()
-        wanted = float(self._paid @ free)
+        # Where the closed form meets the bounds that it was taken for, it is the optimum's.  A gap
+        # of rounding is left as it is, so that repeated frames have the same x to the bit.
         same = self._exchanged and bool((free == self._free).all())
-        # Where the closed form meets the same bounds as the pass before, it was the optimum's; and
-        # where everything is held and the budget spent, multipliers are of one sign as they are.
-        # A gap of rounding is left as it is, so that repeated frames have the same x to the bit.
-        settled = same or not wanted
-        if abs(gap) <= (_TOLERANCE if settled else _ROUNDING) * budget:
+        if abs(gap) <= (_TOLERANCE if same else _ROUNDING) * budget:
+            self.converged = True
+            return
+        wanted = float(self._paid @ free)
+        # So it is where everything is held and the budget spent: no multiplier is negative there.
+        if not wanted and abs(gap) <= _TOLERANCE * budget:
             self.converged = True
             return
         self._free = free

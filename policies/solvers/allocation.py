@@ -63,12 +63,11 @@ class Shares:
 
     def unit(self) -> FloatArray:
         """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is paid."""
-        paid = self.cost > 0.0
-        if paid.all():
+        if float(self.cost.min(initial=math.inf)) > 0.0:
             ratio = self.weight / self.cost
         else:
             infinite = np.full(len(self.cost), np.inf)
-            ratio = np.divide(self.weight, self.cost, out=infinite, where=paid)
+            ratio = np.divide(self.weight, self.cost, out=infinite, where=self.cost > 0.0)
         # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
         if self.power == 2.0:
             return np.sqrt(ratio, out=ratio)
