@@ -1,5 +1,7 @@
 """Hulls that objects share, compared with a hull an object."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -87,7 +89,7 @@ def test_the_bound_is_the_optimum_of_the_linear_relaxation() -> None:
     owner = np.nonzero(real)[0]
     each = (owner == np.arange(5)[:, None]).astype(np.float64)
     for budget in (8.5, 12.0, 20.0, 30.0, 40.0):
-        solution = linprog(
+        solution: Any = linprog(
             -(size[:, None] * value[kind])[real],
             A_ub=cost[kind][real][None, :],
             b_ub=[budget],
