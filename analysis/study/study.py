@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...base.errors import InputError, require_whole
+from ...base.quantities import count_text
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import PolicyLikes, default_policies, specs_of
 from ...sim.faults import Faults
@@ -159,7 +160,7 @@ class Study:
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {len(cells)}" for name, cells in self.axes.items())
-        return f"<Study {self.name}: {len(self):,} runs; {sizes}>"
+        return f"<Study {self.name}: {count_text(len(self), 'run')}; {sizes}>"
 
     @cached_property
     def axes(self) -> dict[str, tuple[Cell, ...]]:
