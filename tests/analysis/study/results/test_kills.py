@@ -270,9 +270,12 @@ class Spread:
     def wait(self) -> None:
         """Return when both workers are there, and no process of a policy is."""
         until = time.monotonic() + PATIENCE_S
-        while len(self._cluster.scheduler.workers) < 2 or len(self.pids()) < 2 or self.policies():
-            assert time.monotonic() < until, "workers are missing, or processes are left"
+        while (state := self._state()) != (2, 2, []):
+            assert time.monotonic() < until, f"workers known, their processes, policies': {state}"
             time.sleep(0.05)
+
+    def _state(self) -> tuple[int, int, list[int]]:
+        return len(self._cluster.scheduler.workers), len(self.pids()), self.policies()
 
     def policies(self) -> list[int]:
         """Return processes that a fork server has started; itself it is a Dask worker's child."""
