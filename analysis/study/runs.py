@@ -100,7 +100,8 @@ def plan_runs(
 ) -> Plan:
     """List the replays of every policy.
 
-    Raises `InputError` if a policy is given twice, or all frames would be warm-up.
+    Raises `InputError` if a policy is given twice, its parameters are refused, or all frames would
+    be warm-up.
 
     Parameters
     ----------
@@ -109,6 +110,8 @@ def plan_runs(
     """
     world.require_scored_frames()
     require_distinct(policies)
+    for policy in policies:
+        policy.check_parameters()
     inputs = {content_hash(value): value for value in (world.scene, world.trace, world.hardware)}
     scene, trace, hardware = inputs
     plans = [(None, 0, resamples[0]), *((draw, at, resamples[1]) for at, draw in enumerate(draws))]

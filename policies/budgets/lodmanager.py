@@ -103,11 +103,12 @@ class LodManager:
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
 
+    rising: ClassVar[tuple[str, ...]] = ("gain", "limit")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start with empty slots and an exponent of 1."""
-        check_parameters(self, "lodmanager", "gain", "limit")
+        check_parameters(self, "lodmanager")
         self._range_m = distance_range("lodmanager", scene, self.near_m, self.far_m)
         self._target_ms = self.target * budget_ms
         self._exponent = 1.0

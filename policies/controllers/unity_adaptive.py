@@ -10,7 +10,15 @@ from ...base.arrays import FloatArray
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.ranges import Count, NotNegative, PositiveInt, Share, check_parameters
+from ..shared.ranges import (
+    Count,
+    Fraction,
+    NotNegative,
+    Positive,
+    PositiveInt,
+    Share,
+    check_parameters,
+)
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -53,9 +61,9 @@ class UnityAdaptive:
     samples: PositiveInt = 120  # Unity's
     delay_s: NotNegative = 4.0  # Unity's performanceActionDelay
     retry_s: NotNegative = 10.0  # Unity's thermalActionDelay, which also delays the first action
-    first: float = 0.25  # as static-screen
-    ratio: float = 0.5  # as static-screen
-    hysteresis: float = 0.0  # Unity's level-of-detail groups have none
+    first: Positive = 0.25  # as static-screen
+    ratio: Fraction = 0.5  # as static-screen
+    hysteresis: NotNegative = 0.0  # Unity's level-of-detail groups have none
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
