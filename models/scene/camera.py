@@ -63,11 +63,14 @@ class Camera:
         Raises `ValueError` if points are without their row of ones.
         """
         n = points.shape[1]
-        local_m = np.empty((3, n))
-        for start in range(0, n, _BLOCK):
-            part = slice(start, start + _BLOCK)
-            np.matmul(self.pose, points[:, part], out=local_m[:, part])
-        local_m.flags.writeable = False
+        if n <= _BLOCK:
+            local_m = np.matmul(self.pose, points)
+        else:
+            local_m = np.empty((3, n))
+            for start in range(0, n, _BLOCK):
+                part = slice(start, start + _BLOCK)
+                np.matmul(self.pose, points[:, part], out=local_m[:, part])
+        local_m.setflags(write=False)
         return local_m
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
@@ -97,7 +100,7 @@ def _pose(
     b = -(bx * px + by * py + bz * pz)
     c = -(cx * px + cy * py + cz * pz)
     pose = np.array(((ax, ay, az, a), (bx, by, bz, b), (cx, cy, cz, c)), dtype=np.float64)
-    pose.flags.writeable = False
+    pose.setflags(write=False)
     return pose
 
 
