@@ -132,8 +132,8 @@ def area_of_spheres(
     `near` says which spheres reach the near plane.  The first two arrays are overwritten.
     """
     area = out_m2
-    some_near = np.count_nonzero(near)
-    if some_near:  # beyond the near plane both are positive
+    at = near.nonzero()[0]
+    if len(at):  # beyond the near plane both are positive
         np.maximum(gap_m2, 1e-30, out=gap_m2)
         np.maximum(area, 0.0, out=area)
     area /= gap_m2
@@ -141,8 +141,8 @@ def area_of_spheres(
     area *= disc
     area /= gap_m2
     np.minimum(area, limit_px, out=area)
-    if some_near:
-        area[near] = limit_px
+    if len(at):
+        area[at] = limit_px
     return area
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...policies.view import View
 
 REVERSAL_NS = 500_000_000
@@ -92,7 +92,7 @@ class Switches:
         # nodes that go on unchanged from the few that do not.
         self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
         self._row, self._ids = _NO_ROWS, _NOWHERE  # of the last frame
-        self._repeats = False  # whether that one drew the same as the one before
+        self._behind = False  # whether stamps were left behind since then
         # No row is -1: what has never toggled cannot return.
         self._from_row = np.full(nodes, -1, dtype=np.int32)
         self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
@@ -107,34 +107,47 @@ class Switches:
 
     def record(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
         """Record what a frame draws, and return its switches; frames come one by one."""
-        ids = drawn.at
-        if drawn.row is self._row and ids is self._ids:
-            self._repeats = True
-            return _NO_SWITCHES
-        if self._repeats:
-            # The stamps were left as they were for as long as nothing changed.
-            self._stamp[self._ids] = self._row + ((frame - 1) << _ROW_BITS)
-            self._repeats = False
-        self._row, self._ids = drawn.row, ids
-        stamp = drawn.row + (frame << _ROW_BITS)
-        before = self._stamp.take(ids)
-        self._stamp[ids] = stamp
-        stamp -= 1 << _ROW_BITS
-        other = before != stamp
-        if drawn.fraction is not None:
-            # The same row at another fraction pops too.
-            other |= self._detail.take(ids) != drawn.detail
-        at = other.nonzero()[0]
+        ids, row = drawn.at, drawn.row
+        if ids is self._ids:
+            # Stamps are left as they are for as long as the nodes stay.
+            self._behind = True
+            if row is self._row:
+                return _NO_SWITCHES
+            at = self._differs(row != self._row, drawn)
+            known, old_row = at, self._row.take(at)
+        else:
+            before = self._exchange(frame, ids, row)
+            at = self._differs(before != row + ((frame - 1) << _ROW_BITS), drawn)
+            before = before.take(at)
+            # Drawn in the frame before, or it came into view, which is no switch.
+            stays = before >> _ROW_BITS == frame - 1
+            known, old_row = at[stays], before[stays] & _ROW_MASK
+        self._row, self._ids = row, ids
         if not len(at):
             return _NO_SWITCHES
-        before = before[at]
-        # Drawn in the frame before, or it came into view, which is no switch.
-        known = before >> _ROW_BITS == frame - 1
-        counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
-        changed = ids[at]
-        self._error_m[changed] = drawn.error_m[at]
-        self._detail[changed] = drawn.detail[at]
+        counts = self._switch(known, old_row, time_ns, drawn)
+        changed = ids.take(at)
+        self._error_m[changed] = drawn.error_m.take(at)
+        self._detail[changed] = drawn.detail.take(at)
         return counts
+
+    def _exchange(
+        self, frame: int, ids: NDArray[np.intp], row: NDArray[np.int64]
+    ) -> NDArray[np.int64]:
+        """Stamp what a frame draws, and return the stamps that were there."""
+        if self._behind:
+            self._stamp[self._ids] = self._row + ((frame - 1) << _ROW_BITS)
+            self._behind = False
+        before = self._stamp.take(ids)
+        self._stamp[ids] = row + (frame << _ROW_BITS)
+        return before
+
+    def _differs(self, other: BoolArray, drawn: Drawn) -> NDArray[np.intp]:
+        """Return positions of nodes whose rows are others, or whose details are."""
+        if drawn.fraction is not None:
+            # The same row at another fraction pops too.
+            other |= self._detail.take(drawn.at) != drawn.detail
+        return other.nonzero()[0]
 
     def _switch(
         self, at: NDArray[np.intp], old_row: NDArray[np.int64], time_ns: int, drawn: Drawn
