@@ -3,6 +3,9 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..base.arrays import BoolArray, FloatArray
 from ..base.errors import PolicyError
 from ..base.predictors import GPU_PREDICTORS
@@ -103,10 +106,18 @@ class FrameRecorder:
         self._rows = CountRows(_ROW)
         self.last_detail = self._accounting.switches.detail
 
-    def record(self, view: View, selection: Selection, *, repeats: bool) -> tuple[int, int]:
+    def record(
+        self,
+        view: View,
+        selection: Selection,
+        *,
+        repeats: bool,
+        changed: NDArray[np.intp] | None,
+    ) -> tuple[int, int]:
         """Record a frame that draws a valid selection; return nanoseconds of CPU and GPU.
 
-        `repeats` says that it is the same nodes at the same details as in the frame before.
+        `repeats` says that it is the same nodes at the same details as in the frame before, and
+        `changed` where details are not those last drawn, if that is known (`SelectionCheck`).
 
         Raises
         ------
@@ -117,7 +128,7 @@ class FrameRecorder:
         if self._fronts is not None:
             selection = _culled(selection, view.state.inside)
         drawn = accounting.drawn(selection, view, repeats=repeats)
-        switches = accounting.switches.record(view.frame, view.time_ns, drawn)
+        switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
         tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
