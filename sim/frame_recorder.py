@@ -134,12 +134,13 @@ class FrameRecorder:
         tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
         counts = (*tally.price.units, *self._cpu_counts(view, selection, drawn))
         named = dict(zip(_PREDICTORS, counts, strict=True))
-        times = self._machine.run(Submitted(view, selection, drawn, named, tally.gpu_ms))
+        gpu_ms = tally.price.gpu_ms
+        times = self._machine.run(Submitted(view, selection, drawn, named, gpu_ms))
         self._rows.append(
             (
                 *counts,
                 tally.fading,
-                tally.gpu_ms,
+                gpu_ms,
                 selection.predicted_ms,
                 times.cpu_ms,
                 times.gpu_ms,

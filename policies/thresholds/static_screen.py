@@ -106,7 +106,9 @@ class StaticScreen:
         # for a sphere as high as its radius over its distance.
         n = len(scene) if self._discrete else 0
         self._levels, self._near_m, self._far_m = np.full((3, n), np.nan)
+        self._near_m[:] = np.inf  # what was never drawn has no distances to stay in
         self._kept: _Kept | None = None
+        self._alone = True  # whether all that was ever drawn was chosen here
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
@@ -138,6 +140,10 @@ class StaticScreen:
     def _go_on(self, view: View, bias: float) -> Selection:
         """Return levels, found anew only where candidates have left their distances."""
         kept, camera = self._kept, view.camera
+        if kept is None:
+            self._alone = bool(np.isnan(view.state.last_detail).all())
+        elif view.previous is not kept.selection:
+            self._alone = False
         if kept is None or kept.nodes is not view.nodes or kept.frame != view.frame - 1:
             kept = self._kept = self._recall(view)
         kept.frame = view.frame
@@ -157,8 +163,9 @@ class StaticScreen:
         """Return the levels that candidates were last drawn at, and the distances of these."""
         nodes, before = view.nodes, view.previous_detail
         near_m, far_m = self._near_m.take(nodes.at), self._far_m.take(nodes.at)
-        # What was never drawn, or at a level that somebody else chose, has no distances to stay in.
-        near_m[before != self._levels.take(nodes.at)] = np.inf
+        if not self._alone:
+            # What was drawn at a level that somebody else chose has no distances to stay in.
+            near_m[before != self._levels.take(nodes.at)] = np.inf
         selection = Selection(view.ids, before, Work(objects_visited=len(view.ids)))
         return _Kept(nodes, view.frame, selection, near_m, far_m)
 
