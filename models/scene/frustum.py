@@ -116,7 +116,10 @@ class Culler:
             return
         self._at, self._ids = at, at.astype(np.int32)
         self._ids.flags.writeable = False
-        self._points = self._centers.rest_m.take(at, axis=1)
+        self._points = np.empty((4, len(at)))
+        self._points[3] = 1.0
+        # A mode that never raises lets numpy write where it is told to, without a copy between.
+        self._centers.rest_m[:3].take(at, axis=1, out=self._points[:3], mode="clip")
         if len(self._centers.moving):
             rank = self._rank.take(at)
             column = (rank >= 0).nonzero()[0]

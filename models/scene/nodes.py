@@ -1,13 +1,14 @@
 """Some nodes of a scene, and what is the same of them in every frame, gathered once."""
 
+import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-from .scene import Lens, Scene
+from .scene import Scene
 
 
 class _PerNode:
@@ -37,6 +38,24 @@ else:
     per_node = _PerNode
 
 
+class Lens(NamedTuple):
+    """What nodes are in one lens, wherever they are, (m,) each.
+
+    Attributes
+    ----------
+    radius_m, square_m2 : radius of each bounding sphere, and its square
+    disc : ``π f² r²``, pixels at a depth of 1 m
+    scale_px : pixels of one metre before scale, at a distance of 1 m
+    reach_m : depth up to which a sphere reaches the near plane
+    """
+
+    radius_m: FloatArray
+    square_m2: FloatArray
+    disc: FloatArray
+    scale_px: FloatArray
+    reach_m: FloatArray
+
+
 class Nodes:
     """Nodes by their indices; every array is aligned with them and read-only.
 
@@ -61,10 +80,11 @@ class Nodes:
         seen = self._in_lens
         if seen is None or self._lens != (focal_px, near_m):
             self._lens = (focal_px, near_m)
-            # One gathering of all rows takes half as long as one of each.
-            rows = self.scene.in_lens(focal_px, near_m).take(self.at, axis=1)
-            rows.setflags(write=False)
-            seen = self._in_lens = Lens(*rows)
+            radius_m = self.radius_m
+            square_m2 = radius_m * radius_m
+            disc = square_m2 * (math.pi * focal_px**2)
+            scale_px = self.scene.scale.take(self.at) * focal_px
+            seen = self._in_lens = Lens(radius_m, square_m2, disc, scale_px, radius_m + near_m)
         return seen
 
     @per_node

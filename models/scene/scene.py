@@ -4,10 +4,9 @@ Everything drawable is a node.  An object is a node without children; a tile or 
 a node of a tree.  Conventions: right-handed, z up, metres, quaternions ``x y z w``.
 """
 
-import math
 from copy import copy
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,24 +57,6 @@ class ObjectTypes:
             raise InputError(f"levels: expected {k} types as in names, got {got}")
 
 
-class Lens(NamedTuple):
-    """What nodes are in one lens, wherever they are, (m,) float64 each.
-
-    Attributes
-    ----------
-    radius_m, square_m2 : radius of each bounding sphere, and its square
-    disc : ``π f² r²``, pixels at a depth of 1 m
-    scale_px : pixels of one metre before scale, at a distance of 1 m
-    reach_m : depth up to which a sphere reaches the near plane
-    """
-
-    radius_m: FloatArray
-    square_m2: FloatArray
-    disc: FloatArray
-    scale_px: FloatArray
-    reach_m: FloatArray
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Scene:
     """N nodes over K types.
@@ -119,12 +100,6 @@ class Scene:
     child_ids: IntArray = field(init=False)
     _by_node: dict[str, NDArray[Any]] = field(
         init=False, repr=False, compare=False, default_factory=dict[str, NDArray[Any]]
-    )
-    _in_lens: dict[tuple[float, float], FloatArray] = field(
-        init=False,
-        repr=False,
-        compare=False,
-        default_factory=dict[tuple[float, float], FloatArray],
     )
     _blocks: list[SphereBlocks] = field(
         init=False, repr=False, compare=False, default_factory=list[SphereBlocks]
@@ -236,19 +211,6 @@ class Scene:
             level.flags.writeable = False
             self._by_node["coarsest_level"] = level
         return self._by_node["coarsest_level"]
-
-    def in_lens(self, focal_px: float, near_m: float) -> FloatArray:
-        """Return the rows of `Lens` of all nodes, (5, N); computed anew where the lens changes."""
-        lens = (focal_px, near_m)
-        if lens not in self._in_lens:
-            square_m2 = self.radius_m * self.radius_m
-            disc = square_m2 * (math.pi * focal_px**2)
-            scale_px, reach_m = self.scale * focal_px, self.radius_m + near_m
-            rows = np.stack(Lens(self.radius_m, square_m2, disc, scale_px, reach_m))
-            rows.flags.writeable = False
-            self._in_lens.clear()  # only the last one's are kept
-            self._in_lens[lens] = rows
-        return self._in_lens[lens]
 
     @property
     def blocks(self) -> SphereBlocks:
