@@ -53,22 +53,12 @@ class SelectionCheck:
         plain = selection.ids is view.ids and selection.holder is None
         self._ids = view.ids if plain else None
         self._detail = selection.detail.tobytes() if plain else b""
-        if plain and self._discrete and self._holds_levels(selection.detail, view):
-            return None
+        if plain and self._discrete:
+            self.changed = _find_changed(selection.detail, view)
+            if _are_levels(selection.detail, self.changed, view):
+                return None
         wrong = find_wrong_nodes(selection, view.nodes, self._tree)
         return wrong or find_not_resident(selection, view)
-
-    def _holds_levels(self, detail: FloatArray, view: View) -> bool:
-        """Whether details are levels of the candidates; False says nothing, -0.0 may be one too.
-
-        What a node was last drawn at was a level of its type then, and so is one now.
-        """
-        self.changed = at = (detail != view.previous_detail).nonzero()[0]
-        level = detail.take(at)
-        nearest = np.trunc(level)
-        np.fmax(nearest, 0.0, out=nearest)  # `maximum` would hand NaN through, which is no level
-        np.minimum(nearest, view.nodes.coarsest_level.take(at), out=nearest)
-        return nearest.tobytes() == level.tobytes()
 
     def _is_last(self, selection: Selection, view: View) -> bool:
         if self._ids is not view.ids or selection.ids is not view.ids:
@@ -83,3 +73,20 @@ class SelectionCheck:
             and detail.ndim == 1
             and detail.tobytes() == self._detail
         )
+
+
+def _find_changed(detail: FloatArray, view: View) -> NDArray[np.intp]:
+    """Return the positions of candidates whose details are not those that they last had."""
+    return (detail != view.previous_detail).nonzero()[0]
+
+
+def _are_levels(detail: FloatArray, changed: NDArray[np.intp], view: View) -> bool:
+    """Whether details are levels of the candidates; False says nothing, as -0.0 may be one too.
+
+    What a node was last drawn at was a level of its type then, and so is one now.
+    """
+    level = detail.take(changed)
+    nearest = np.trunc(level)
+    np.fmax(nearest, 0.0, out=nearest)  # `maximum` would hand NaN through, which is no level
+    np.minimum(nearest, view.nodes.coarsest_level.take(changed), out=nearest)
+    return nearest.tobytes() == level.tobytes()

@@ -144,7 +144,7 @@ class Switches:
         time_ns: int,
         drawn: Drawn,
     ) -> SwitchCounts:
-        """Take over the details at some positions, and count those `known` from the frame before."""
+        """Take over details at some positions, and count those `known` from the frame before."""
         counts = self._switch(known, time_ns, drawn)
         ids = drawn.at.take(at)
         self._error_m[ids] = drawn.error_m.take(at)
