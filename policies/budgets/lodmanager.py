@@ -151,7 +151,9 @@ class LodManager:
         return Selection(view.ids, detail.take(source), work, source)
 
     def _gather(self, seen: View) -> _Same:
-        return _Same(*(column.take(seen.nodes.at) for column in self._of_node))
+        slots, last, first = self._of_node
+        at = seen.nodes.at
+        return _Same(slots.take(at), last.take(at), first.take(at))
 
     def _steer(self, completed: Completed) -> None:
         ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
