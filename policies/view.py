@@ -123,7 +123,10 @@ class View:
     @per_node
     def _square_m2(self) -> FloatArray:
         """Return the square of each distance, (m,)."""
-        return np.add.reduce(self._squares_m2, axis=0)
+        x, y, z = self._squares_m2
+        square = x + y
+        square += z
+        return square
 
     @per_node
     def _squares_m2(self) -> FloatArray:
@@ -133,8 +136,9 @@ class View:
     @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
-        gap = self.distance_m - self.nodes.radius_m
-        return np.maximum(gap, self.camera.near_m, out=gap)
+        camera = self.camera
+        gap = self.distance_m - self.nodes.in_lens(camera.focal_px, camera.near_m).radius_m
+        return np.maximum(gap, camera.near_m, out=gap)
 
     @per_node
     def px_per_m(self) -> FloatArray:
@@ -148,8 +152,8 @@ class View:
         camera, nodes = self.camera, self.nodes
         lens = nodes.in_lens(camera.focal_px, camera.near_m)
         return area_of_spheres(
-            self._squares_m2[2] - nodes.square_m2,
-            self._square_m2 - nodes.square_m2,
+            self._squares_m2[2] - lens.square_m2,
+            self._square_m2 - lens.square_m2,
             lens.disc,
             self.xyz_m[2] <= lens.reach_m,
             float(camera.viewport_px),

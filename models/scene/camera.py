@@ -64,11 +64,14 @@ class Camera:
         Raises `ValueError` if points are without their row of ones.
         """
         n = points.shape[1]
-        local_m = np.empty((3, n))
-        for start in range(0, n, _BLOCK):
-            part = slice(start, start + _BLOCK)
-            np.matmul(self.pose, points[:, part], out=local_m[:, part])
-        local_m.flags.writeable = False
+        if n <= _BLOCK:
+            local_m = np.matmul(self.pose, points)
+        else:
+            local_m = np.empty((3, n))
+            for start in range(0, n, _BLOCK):
+                part = slice(start, start + _BLOCK)
+                np.matmul(self.pose, points[:, part], out=local_m[:, part])
+        local_m.setflags(write=False)
         return local_m
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
@@ -98,7 +101,7 @@ def _pose(
     b = -(bx * px + by * py + bz * pz)
     c = -(cx * px + cy * py + cz * pz)
     pose = np.array(((ax, ay, az, a), (bx, by, bz, b), (cx, cy, cz, c)), dtype=np.float64)
-    pose.flags.writeable = False
+    pose.setflags(write=False)
     return pose
 
 
@@ -130,8 +133,8 @@ def area_of_spheres(
     `near` says which spheres reach the near plane.  The first two arrays are overwritten.
     """
     area = out_m2
-    some_near = np.count_nonzero(near)
-    if some_near:  # beyond the near plane both are positive
+    at = near.nonzero()[0]
+    if len(at):  # beyond the near plane both are positive
         np.maximum(gap_m2, 1e-30, out=gap_m2)
         np.maximum(area, 0.0, out=area)
     area /= gap_m2
@@ -139,8 +142,8 @@ def area_of_spheres(
     area *= disc
     area /= gap_m2
     np.minimum(area, limit_px, out=area)
-    if some_near:
-        area[near] = limit_px
+    if len(at):
+        area[at] = limit_px
     return area
 
 
