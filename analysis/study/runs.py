@@ -98,10 +98,13 @@ def plan_runs(
 ) -> Plan:
     """List the replays of every policy.
 
-    Raises `InputError` if a policy is given twice, or all of the path would be warm-up.
+    Raises `InputError` if a policy is given twice, its parameters are refused, or all of the path
+    would be warm-up.
     """
     world.require_window()
     require_distinct(policies)
+    for policy in policies:
+        policy.check_parameters()
     inputs = {content_hash(value): value for value in (world.scene, world.trace, world.hardware)}
     scene, trace, hardware = inputs
     runs = tuple(

@@ -70,6 +70,44 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
     assert [path.name for path in (out / "frames").iterdir()] == ["full.parquet"]
 
 
+UNMADE = """
+from lodbench.policies.bounds.full import Full
+
+
+class Unmade(Full):
+    def __init__(self, number: int = 0) -> None:
+        raise ValueError(f"no {number}")
+"""
+
+
+def test_a_constructor_that_raises_fails_its_policy_alone(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Whether it has parameters or not; the other policy is scored, and the exit code is 1."""
+    mine = tmp_path / "mine.py"
+    mine.write_text(UNMADE, encoding="utf-8")
+    policies = [f"{mine}:Unmade", f"{mine}:Unmade:number=7", "full"]
+    words = [word for policy in policies for word in ("--policy", policy)]
+    assert run([*SHORT, *words, "--json"]) == 1
+    found = {it["label"]: it for it in json.loads(capsys.readouterr().out)["policies"]}
+    assert [found[label]["status"] for label in policies] == ["failed", "failed", "ok"]
+    assert found[policies[1]]["reason"].endswith("cannot be made: ValueError: no 7")
+
+
+def test_a_refused_parameter_ends_with_2_before_any_replay(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In one line, and no engine is opened for the policy beside it."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("an engine was opened")
+
+    monkeypatch.setattr("lodbench.analysis.study.compare.open_engine", refuse)
+    assert run([*SHORT, "--policy", "full", "--policy", "static-screen:first=-1"]) == 2
+    expected = "error: static-screen: expected first in (0, inf], got -1.0\n"
+    assert tuple(capsys.readouterr()) == ("", expected)
+
+
 def test_a_full_disk_keeps_no_scores_back(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
