@@ -184,7 +184,7 @@ class Judging:
                 [
                     [
                         replays[Place(label, path, self.seed, value)].values[metric] or 0.0
-                        for path in self.rotation.training
+                        for path in self.rotation.scanned
                     ]
                     for value in tuned.values.tolist()
                 ]
@@ -193,7 +193,7 @@ class Judging:
         values = tuned.values.tolist()
         return Curve(
             knob=tuned.values,
-            p99_ms=quantiles_ms(replays, label, values, self.rotation.training, self.seed),
+            p99_ms=quantiles_ms(replays, label, values, self.rotation.scanned, self.seed),
             work_ms=table("work_ms_mean"),
             error_px=table("visible_error_px"),
             pops_per_s=table("visible_pops_per_s"),
