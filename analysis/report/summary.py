@@ -24,9 +24,7 @@ HEADLINE = (
     MetricColumn("visible_pops_per_s", "visible\npops\n/s"),
     MetricColumn("work_ms_mean", "work\nmean\nms"),
     MetricColumn("over_budget_time_fraction", "over\nbudget\n% time", percent=True),
-    MetricColumn("sse_px_p95", "error\np95\npx"),
     MetricColumn("lag_ms_mean", "lag\nmean\nms"),
-    MetricColumn("toggles_per_s", "toggles\n\n/s"),
 )
 """Metrics of the order first, then what explains them."""
 
