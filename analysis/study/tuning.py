@@ -25,6 +25,9 @@ SCANNED_VALUES = 6
 """Values of a knob, its ends among them, that are replayed before anything is known."""
 SCANNED_PATHS = 4
 """Paths on which they are: enough to see where the budget lies, and for curves."""
+_STEP = 0.2
+"""Between values that are replayed on all paths until some keep the budget and some do not, of the
+distance of those that are scanned."""
 MOST_VALUES = 14
 """Values of a knob that are replayed at most."""
 
@@ -158,10 +161,10 @@ class _Search:
         training = [np.array([column[path] for path in paths]) for paths in sets]
         sure = [keeps_surely(np.log(work_ms[:, paths] / self._budget_ms)) for paths in training]
         # Every set needs a value that keeps the budget beside a finer one that does not, or an end.
-        if not all(of.any() for of in sure) and (beside := self._beside(self._whole[0], -1)):
-            return beside[0]
-        if any(of[-1] for of in sure) and (beside := self._beside(self._whole[-1], 1)):
-            return beside[0]
+        if not all(of.any() for of in sure) and (beside := self._step(self._whole[0], -1)):
+            return beside
+        if any(of[-1] for of in sure) and (beside := self._step(self._whole[-1], 1)):
+            return beside
         if not self._is_monotone() and (left := [v for v in self._known if v not in self._whole]):
             return left[0]
         if len(self._known) >= MOST_VALUES:
@@ -170,7 +173,7 @@ class _Search:
         after = next_knob(values, work_ms, self._budget_ms, scale, training)
         if after is None:
             return None
-        short = float(f"{after:.4g}")
+        short = _short(after)
         return None if short in self._whole else short
 
     def chosen(self) -> Tuned:
@@ -181,14 +184,19 @@ class _Search:
         return Tuned(np.array(self._known), self._point(self._rotation.training), judged)
 
     def _first_value(self) -> float:
-        """Return the scanned value that is near the budget."""
+        """Return where the budget should be, by the scanned paths: between two values that were."""
         work_ms = self._work_ms(self._known, self._rotation.scanned)
-        return operating_point(np.array(self._known), work_ms, self._budget_ms).value
+        found = operating_point(np.array(self._known), work_ms, self._budget_ms)
+        values, scale = np.array(self._known), self._knob.scale
+        everyone = [np.arange(len(self._rotation.scanned))]
+        between = next_knob(values, work_ms, self._budget_ms, scale, everyone)
+        return found.value if between is None else _short(between)
 
-    def _beside(self, value: float, step: int) -> list[float]:
-        """Return the known value next to one that is replayed on all paths, none at an end."""
-        at = self._known.index(value) + step
-        return [self._known[at]] if 0 <= at < len(self._known) else []
+    def _step(self, value: float, way: int) -> float | None:
+        """Return the value a step finer (1) or coarser (-1), None at an end of the range."""
+        at = self._knob.where(value) + way * _STEP / (SCANNED_VALUES - 1)
+        stepped = self._knob.at(min(max(at, 0.0), 1.0))
+        return None if stepped == value or stepped in self._whole else stepped
 
     def _is_monotone(self) -> bool:
         work_ms = self._work_ms(self._known, self._rotation.scanned)
@@ -207,3 +215,8 @@ class _Search:
 
     def _ordered(self, values: Sequence[float]) -> list[float]:
         return sorted(set(values), reverse=self._knob.finer == "lower")
+
+
+def _short(value: float) -> float:
+    """Return a value with so many digits as a label shows."""
+    return float(f"{value:.4g}")

@@ -97,7 +97,8 @@ def reach_verdict(
     policies = (*_in_order(results, groups, terms.budget_ms), *unscored)
     sure = _chances(rivals, criteria, terms.seed)
     nearest = None if groups else _least_miss(judged, terms.budget_ms)
-    stands = _robustness(curves, terms.budget_ms)
+    apart = {label: curve for label, curve in curves.items() if label not in same}
+    stands = _robustness(apart, terms.budget_ms)
     contenders = [item for item in judged if not item.oracle]
     footings = [seeds[0].footing for seeds in judged[0].runs] if judged else []
     return Verdict(
