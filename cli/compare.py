@@ -154,7 +154,7 @@ def compare(
             trace or [DEFAULT_TRACE],
             world,
             place,
-            paths=paths or (QUICK_PATHS if quick else DEFAULT_PATHS),
+            paths=paths if paths is not None else QUICK_PATHS if quick else DEFAULT_PATHS,
             length_s=QUICK_LENGTH_S if quick else None,
             seconds=parse_seconds(seconds),
             seed=seed,

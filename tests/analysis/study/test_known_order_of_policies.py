@@ -13,7 +13,7 @@ from lodbench.sim.replay import ReplayOptions
 
 @pytest.fixture(scope="module")
 def toured() -> Comparison:
-    """Compare three policies on the bundled scene and trace at 6 ms, without waits for a display."""
+    """Compare three policies on the bundled scene and trace at 6 ms, with no wait for a display."""
     scene = load_scene("plaza")
     return compare(
         [parse_policy(text) for text in ("feedback", "static-distance", "full")],
