@@ -119,7 +119,7 @@ def compare(
     faults: FaultyTimers = "",
     memory: Memory = None,
 ) -> None:
-    """Compare policies at one budget: who keeps it, at the finest picture with least flicker."""
+    """Compare policies at one budget: who keeps it, and who looks best then."""
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study.compare import (
         DEFAULT_PATHS,
