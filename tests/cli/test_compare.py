@@ -254,8 +254,8 @@ def test_two_folders_are_compared(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What got dearer on every path is told with the cost that grew, and so is no change."""
-    line = ["compare", "--scene", "crowd-32", "--trace", "orbit", "--paths", "6"]
-    line += ["--warmup", "0.1", "--seconds", "0:0.4", "--seeds", "1", "--policy"]
+    line = ["compare", "--scene", "plaza", "--trace", "walk", "--paths", "16"]
+    line += ["--warmup", "0.1", "--seconds", "0:0.3", "--seeds", "1", "--policy"]
     folders = [str(tmp_path / name) for name in ("before", "after", "again")]
     for level in (0, 1):
         (tmp_path / f"level-{level}").mkdir()
