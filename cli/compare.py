@@ -119,7 +119,7 @@ def compare(
     faults: FaultyTimers = "",
     memory: Memory = None,
 ) -> None:
-    """Compare policies at one budget: who keeps it, at the finest picture with least flicker."""
+    """Compare policies at one budget: who keeps it, and who looks best then."""
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study.compare import (
         DEFAULT_PATHS,
@@ -154,7 +154,7 @@ def compare(
             trace or [DEFAULT_TRACE],
             world,
             place,
-            paths=paths or (QUICK_PATHS if quick else DEFAULT_PATHS),
+            paths=paths if paths is not None else QUICK_PATHS if quick else DEFAULT_PATHS,
             length_s=QUICK_LENGTH_S if quick else None,
             seconds=parse_seconds(seconds),
             seed=seed,

@@ -98,9 +98,9 @@ def describe_run(comparison: Comparison) -> str:
 def describe_paths(comparison: Comparison) -> str:
     """Return how many paths there were, and what of each counts."""
     first = comparison.paths[0]
-    low, high = first.window_s
-    alike = all(path.window_s == first.window_s for path in comparison.paths)
+    low, high = comparison.window_s[0]
+    alike = len(set(comparison.window_s)) == 1
     window = f"{low:g} to {high:g} s" if alike else "each from its warm-up to its end"
     if len(comparison.paths) == 1:
-        return f"{first.name}, {window}"
-    return f"{len(comparison.paths)} paths such as {first.name}, {window}"
+        return f"{first}, {window}"
+    return f"{len(comparison.paths)} paths such as {first}, {window}"

@@ -142,6 +142,7 @@ def compare(
         tuned = tune(replays, rotation, replay_options.budget_ms, first)
         replays.make(judging.places(tuned))
     sampling = make_sampling(len(paths), seeds, len(draws), knobs, VARIATIONS)
+    population = "this path" if single else "such paths"
     verdict = reach_verdict(
         judging.outcome(replays, tuned),
         judging.unscored(replays),
@@ -149,7 +150,7 @@ def compare(
         Terms(
             budget_ms=replay_options.budget_ms,
             margin=settings.margin,
-            population=sampling.population,
+            population=population,
             paths=tuple(path.name for path in paths),
             seed=first,
         ),
@@ -161,6 +162,7 @@ def compare(
         paths,
         hardware,
         sampling,
+        population=population,
         margin=settings.margin,
         command=settings.command,
     )

@@ -1,18 +1,21 @@
 """Record policies, once or twice, and simulate the same."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
+from ...base.content_hash import content_hash
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import OpenedScene
 from ...policies.registry import parse_policy
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
-from ..study.compare import CompareOptions, compare
-from ..study.comparison import Comparison
-from ..study.runs import Progress
+from ..study.compare import CompareSettings
+from ..study.engine.open_engine import open_engine
+from ..study.replays import Bench, Place, Replays
+from ..study.runs import Progress, choose_draws
 from .recordings import Recorded, RecordOptions, open_recorder
-from .validate import Measured, Pair
+from .validate import Measured, Simulated, Simulation
 
 
 def _share(progress: Progress, done: int, total: int) -> Progress:
@@ -57,26 +60,50 @@ def record_all(
 
 def simulate_all(
     labels: Sequence[str],
-    scene: OpenedScene,
+    scene: Scene,
     trace: CameraTrace,
     hardware: HardwareProfile,
     options: ReplayOptions,
-    settings: CompareOptions,
-    measured: Mapping[str, tuple[Measured, ...]],
+    settings: CompareSettings,
     progress: Progress | None = None,
-) -> tuple[Comparison, dict[str, Pair]]:
-    """Simulate what was recorded; return the comparison and both sides by label.
+) -> Simulation:
+    """Simulate policies under the profile's mean and under draws of it, each as it is typed.
 
     Raises `InputError` if a policy cannot be simulated.
     """
-    specs = [parse_policy(label) for label in labels]
-    comparison, logs = compare(
-        specs, scene.scene, trace, hardware, options, settings, progress=progress
+    specs = {label: parse_policy(label) for label in labels}
+    inputs = {content_hash(value): value for value in (scene, hardware, trace)}
+    scene_hash, hardware_hash, trace_hash = inputs
+    bench = Bench(
+        inputs, scene_hash, hardware_hash, (trace_hash,), specs, {}, options, settings.warmup_s,
+        settings.miss,
+    )  # fmt: skip
+    limits = settings.policy_limits
+    engine = open_engine(
+        inputs, workers=settings.workers, limits=limits, scheduler=settings.scheduler
     )
-    for policy in comparison.policies:
-        if policy.status != "ok":
-            raise InputError(f"{policy.label}: expected a policy that runs; {policy.reason}")
-    return comparison, {label: Pair(measured[label], logs[label]) for label in labels}
+    draws = choose_draws(hardware, settings.draws)
+    mean = {label: Place(label, 0, options.seed, logged=True) for label in labels}
+    drawn = {
+        label: [Place(label, 0, options.seed, draw=draw) for draw in draws] for label in labels
+    }
+    with engine:
+        replays = Replays(bench, engine, progress, limits=limits)
+        replays.make(place for label in labels for place in (mean[label], *drawn[label]))
+    for label, failure in replays.failures.items():
+        raise InputError(f"{label}: expected a policy that runs; {failure}")
+    return Simulation(
+        scene=scene.name,
+        trace=trace.name,
+        trace_s=trace.duration_s,
+        budget_ms=options.budget_ms,
+        seed=options.seed,
+        window_s=(settings.warmup_s, trace.duration_s),
+        policies={
+            label: Simulated(replays[mean[label]], tuple(replays[at] for at in drawn[label]))
+            for label in labels
+        },
+    )
 
 
 def measured_of(recorded: Recorded) -> Measured:

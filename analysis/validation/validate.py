@@ -12,7 +12,8 @@ from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
-from ..study.comparison import Comparison
+from ..study.score import Scored
+from ..verdict.scores import LEVEL
 from .ranks import kendall_tau
 from .time_errors import adapted_ms, at_times, summarise
 from .validation_result import Agreement, Errors, PolicyValidation, Rank, Validation
@@ -50,6 +51,58 @@ class Pair:
     simulated: FrameLog
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulated:
+    """One policy's simulated replays.
+
+    Attributes
+    ----------
+    mean : Scored
+        Under the profile's mean, with its frame log.
+    drawn : tuple of Scored
+        Under each posterior draw; none if the profile has none.
+    """
+
+    mean: Scored
+    drawn: tuple[Scored, ...]
+
+    @property
+    def log(self) -> FrameLog:
+        """Frames under the mean."""
+        assert self.mean.log is not None, "it is asked for with its log"
+        return self.mean.log
+
+    def interval(self, metric: str) -> tuple[float, float] | tuple[None, None]:
+        """Return where a metric lies over the draws at `LEVEL`, nothing if a draw has no value."""
+        values = [run.values[metric] for run in self.drawn]
+        known = [value for value in values if value is not None]
+        if not known or len(known) < len(values):
+            return None, None
+        low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0)).tolist()
+        return low, high
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """What was simulated on one path, and by what it is scored.
+
+    Attributes
+    ----------
+    window_s : (from, to)
+        Seconds of the path that count.
+    policies : dict of str to Simulated
+        By label.
+    """
+
+    scene: str
+    trace: str
+    trace_s: float
+    budget_ms: float
+    seed: int
+    window_s: tuple[float, float]
+    policies: Mapping[str, Simulated]
+
+
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
     """Raise InputError if the profile was calibrated on this scene along this trace."""
     if f"{header_text(scene)} along {header_text(trace)}" in hardware.provenance.measured_on:
@@ -76,7 +129,7 @@ def require_priced(hardware: HardwareProfile) -> None:
 
 
 def validate(
-    comparison: Comparison,
+    simulation: Simulation,
     pairs: Mapping[str, Pair],
     hardware: HardwareProfile,
     log: dict[str, str],
@@ -87,31 +140,30 @@ def validate(
 
     Parameters
     ----------
-    comparison : of the simulated replays
     pairs : by label, in the order of the policies
     log : header of the recordings
     """
-    runs = {label: _measured(pair, comparison.window_s) for label, pair in pairs.items()}
+    runs = {label: _measured(pair, simulation.window_s) for label, pair in pairs.items()}
     series = {label: _series(pair, runs[label], hardware) for label, pair in pairs.items()}
     policies = tuple(
-        _policy(label, pair, runs[label], comparison, series[label])
+        _policy(label, pair, runs[label], simulation.policies[label], series[label])
         for label, pair in pairs.items()
     )
     known = [
         item.inside for p in policies for item in p.metrics.values() if item.inside is not None
     ]
     return Validation(
-        scene=comparison.scene,
-        trace=comparison.trace,
-        trace_s=comparison.conditions.trace_s,
+        scene=simulation.scene,
+        trace=simulation.trace,
+        trace_s=simulation.trace_s,
         hardware=hardware.name,
         hardware_source=hardware.provenance.source,
         measured_on=hardware.provenance.measured_on,
-        budget_ms=comparison.budget_ms,
-        seed=comparison.seed,
-        window_s=comparison.window_s,
-        level=comparison.intervals.level,
-        draws=comparison.intervals.draws,
+        budget_ms=simulation.budget_ms,
+        seed=simulation.seed,
+        window_s=simulation.window_s,
+        level=LEVEL,
+        draws=max((len(each.drawn) for each in simulation.policies.values()), default=0),
         log=log,
         policies=policies,
         all_policies=_errors(*series.values()),
@@ -121,19 +173,19 @@ def validate(
 
 
 def _policy(
-    label: str, pair: Pair, runs: "_Runs", comparison: Comparison, series: dict[str, FloatArray]
+    label: str, pair: Pair, runs: "_Runs", simulated: Simulated, series: dict[str, FloatArray]
 ) -> PolicyValidation:
-    scored = next(policy for policy in comparison.ok if policy.label == label)
     values = [{metric.id: metric(run) for metric in METRICS} for run in runs.measured]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
     for metric in METRICS:
-        score, measured = scored.metrics[metric.id], values[0][metric.id]
+        value, measured = simulated.mean.values[metric.id], values[0][metric.id]
+        low, high = simulated.interval(metric.id)
         inside = None
-        if measured is not None and score.low is not None and score.high is not None:
-            inside = score.low <= measured <= score.high
+        if measured is not None and low is not None and high is not None:
+            inside = low <= measured <= high
         metrics[metric.id] = Agreement(
-            measured, again[metric.id], score.value, score.low, score.high, inside, metric.unit
+            measured, again[metric.id], value, low, high, inside, metric.unit
         )
     frames = len(pair.measured[0].frames), len(pair.simulated)
     return PolicyValidation(label, *frames, _errors(series), metrics)

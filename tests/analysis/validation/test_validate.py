@@ -7,10 +7,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.compare import CompareSettings
+from lodbench.analysis.study.score import Scored
+from lodbench.analysis.validation.replays import simulate_all
 from lodbench.analysis.validation.validate import (
     Measured,
     Pair,
+    Simulated,
+    Simulation,
     require_other_frames,
     require_priced,
     validate,
@@ -47,10 +51,8 @@ def replays(make_hardware_once: Callable[[float], HardwareProfile]) -> Replays:
     trace = tour((0.0, 0.0, 0.0), (200.0, 200.0)).stretch(0.0, 2.5)
     options = ReplayOptions(budget_ms=20.0)
     again = replace(options, seed=5)
-    comparison, simulated = compare(
-        [parse_policy(label) for label in LABELS], scene, trace, profile, options,
-        CompareOptions(workers=1, draws=4, warmup_s=0.5),
-    )  # fmt: skip
+    settings = CompareSettings(workers=1, draws=4, warmup_s=0.5)
+    simulation = simulate_all(LABELS, scene, trace, profile, options, settings)
     pairs: dict[str, Pair] = {}
     for label in LABELS:
         logs = [
@@ -58,9 +60,9 @@ def replays(make_hardware_once: Callable[[float], HardwareProfile]) -> Replays:
             for chosen in (options, again)
         ]
         measured = tuple(Measured(log, counts_of(log)) for log in logs)
-        pairs[label] = Pair(measured, simulated[label])
+        pairs[label] = Pair(measured, simulation.policies[label].log)
     log = {"renderer": "none", "resolution": "640x360", "date": "2026-01-01"}
-    return validate(comparison, pairs, profile, log), pairs, profile
+    return validate(simulation, pairs, profile, log), pairs, profile
 
 
 @pytest.fixture(scope="module")
@@ -163,23 +165,19 @@ def test_what_cannot_be_priced_is_refused(replays: Replays) -> None:
         require_priced(replace(profile, gpu=CostModel.of(0.0, {}, {"triangles": 1.0})))
 
 
-def test_a_recording_of_warm_up_alone_is_refused(replays: Replays) -> None:
+def test_a_recording_of_warm_up_alone_is_refused(
+    replays: Replays, made_scored: Callable[..., Scored]
+) -> None:
     """A recording that ends before the window has nothing to compare, and says so."""
     validation, pairs, profile = replays
     simulated = pairs["full"].simulated
     early = simulated["input_ns"] < 0.5e9
     short = FrameLog(simulated.header, simulated.times_ns[early], simulated.counts[early])
-    comparison, _ = compare(
-        [parse_policy("full")],
-        load_scene("plaza"),
-        tour((0.0, 0.0, 0.0), (200.0, 200.0)).stretch(0.0, 2.5),
-        profile,
-        ReplayOptions(budget_ms=20.0),
-        CompareOptions(workers=1, draws=0, warmup_s=0.5),
-    )
-    assert comparison.window_s == validation.window_s == (0.5, 2.5)
+    assert validation.window_s == (0.5, 2.5)
+    scored = Simulated(made_scored(), ())
+    simulation = Simulation("plaza", "tour", 2.5, 20.0, 0, (0.5, 2.5), {"full": scored})
     pair = Pair((Measured(short, counts_of(short)),), simulated)
     with pytest.raises(
         InputError, match=r"frame that begins in 0.5 to 2.5 s of the path, got none"
     ):
-        validate(comparison, {"full": pair}, profile, {})
+        validate(simulation, {"full": pair}, profile, {})
