@@ -1,7 +1,7 @@
 """The worked example of the page on the verdict: its numbers follow from its tables.
 
-Each is worked out here by the formula that the page states, from scipy's distributions, and asked of
-the functions that commands use: the page, the formula and the code have to agree.
+Each is worked out here by the formula that the page states, from scipy's distributions, and asked
+of the functions that commands use: the page, the formula and the code have to agree.
 """
 
 import re
@@ -30,9 +30,7 @@ def table(head: str) -> list[list[str]]:
     """Return the cells of the example's table whose head begins with these cells."""
     found = re.search(rf"^\| {re.escape(head)}.*\n\| ---.*\n((?:\|.*\n)+)", EXAMPLE, re.MULTILINE)
     assert found, head
-    return [
-        [cell.strip() for cell in row.strip("|").split(" | ")] for row in found[1].splitlines()
-    ]
+    return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in found[1].splitlines()]
 
 
 def numbers(rows: list[list[str]], start: int) -> FloatArray:
@@ -138,7 +136,7 @@ def test_the_chances_of_the_example() -> None:
 
 
 def test_half_the_speed_of_the_example() -> None:
-    """At half the speed even the coarsest tolerance misses, with the probability that is printed."""
+    """At half the speed even the coarsest tolerance misses, as surely as the page says."""
     keeps = p_keeps(WORK_MS[0], BUDGET_MS / 2)
     assert f"P(keeps) of 8 ms is {keeps:.2f}" in EXAMPLE
     assert keeps < SURE
