@@ -63,7 +63,7 @@ def this_path(values: FloatArray, level: float = 0.9) -> Interval:
         return Interval(float("nan"), float("nan"), enough=False, needed=needed)
     mean = float(values.mean())
     error: FloatArray = values.var(axis=1, ddof=1) / seeds
-    degrees = _degrees(error, seeds - 1.0)
+    degrees = welch_degrees(error, seeds - 1.0)
     half = float(stdtrit(degrees, (1 + level) / 2) * np.sqrt(error.sum())) / n
     enough = seeds >= needed
     return Interval(mean - half, mean + half, enough=enough, needed=None if enough else needed)
@@ -196,7 +196,7 @@ def _judged(low: float, high: float, n: int, skew: float) -> Interval:
     return Interval(float(low), float(high), enough=enough, needed=None if enough else needed)
 
 
-def _degrees(errors: FloatArray, each: float) -> float:
+def welch_degrees(errors: FloatArray, each: float) -> float:
     """Return Welch's degrees of freedom of a sum of variances, (n,), of `each` degrees."""
     squares = float((errors**2).sum()) / (each + 2)
     if squares == 0:
