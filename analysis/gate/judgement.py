@@ -7,6 +7,7 @@ import numpy as np
 
 from ..metrics.metric_registry import find_metric
 from ..metrics.worst_moment import Moment
+from ..study.replays import noise_seed
 from ..verdict.paired import Judgement
 from .evidence import Finding, Question, allowed_of, amount_of, is_extreme, worst_of
 from .limits import Limit
@@ -163,4 +164,5 @@ def _find_worst(question: Question, first_seed: int) -> Worst | None:
     flat = np.nanargmax(now if question.limit.upper else -now)
     path, seed = np.unravel_index(int(flat), now.shape)
     run = question.measured.runs[question.at[int(path)]][int(seed)]
-    return Worst(first_seed + int(seed), float(now[path, seed]), run.worst)
+    of_noise = noise_seed(first_seed + int(seed), question.at[int(path)])
+    return Worst(of_noise, float(now[path, seed]), run.worst)

@@ -26,6 +26,18 @@ if TYPE_CHECKING:  # they need Arrow, which a study without a folder does not
     from .results.work_folder import WorkFolder
 
 
+_SEEDS_OF_A_PATH = 1_000_000
+
+
+def noise_seed(seed: int, path: int) -> int:
+    """Return the seed of the noise of a replay on the path of a position.
+
+    No two paths share one: under the same noise their means would err together, and intervals over
+    paths, or over seeds on several paths, would be too narrow by up to the root of their number.
+    """
+    return seed + _SEEDS_OF_A_PATH * path
+
+
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
     """Where a replay stands among those of a comparison.
@@ -37,6 +49,7 @@ class Place:
     path : int
         Position of the path.
     seed : int
+        Of the replays on this path, see `noise_seed`.
     knob : float or None
         Value of the policy's knob; None for its own parameters.
     draw : int or None
@@ -97,7 +110,8 @@ class Bench:
         if place.knob is not None:
             varied = vary_policy(spec, {self.knobs[place.policy].name: place.knob})
             spec = replace(varied, label=spec.label)
-        options = replace(self.options, seed=place.seed, draw=place.draw)
+        seed = noise_seed(place.seed, place.path)
+        options = replace(self.options, seed=seed, draw=place.draw)
         return Run(
             spec,
             self.scene,
