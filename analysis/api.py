@@ -8,8 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from ..base.errors import InputError
-from ..policies.registry import PolicyLike, PolicyLikes, default_policies, spec_of, specs_of
+from ..policies.registry import PolicyLike, PolicyLikes, spec_of, specs_of
 from ..policies.registry import register_policy as _register_policy
 from ..sim.faults import Faults
 from ..sim.frame_log import FrameLog
@@ -80,21 +79,26 @@ def replay(
 def compare(
     policies: PolicyLikes | None = None,
     *,
-    scene: SceneLike = "plaza",
-    traces: TraceLike | Sequence[TraceLike] = "tour",
+    scene: SceneLike = "district",
+    traces: TraceLike | Sequence[TraceLike] = "trial",
+    paths: int = 10,
     hardware: HardwareLike = "desktop-assumed",
     budget_ms: float | None = None,
+    miss: float = 0.01,
+    visible_px: float = 1.0,
+    margin: float = 0.1,
+    as_shipped: bool = False,
     seed: int = 0,
+    seeds: int | None = None,
     seconds: Seconds = WHOLE,
     warmup_s: float = 1.0,
-    visible_px: float = 1.0,
     fovy_deg: float = 60.0,
     crossfade_ms: float = 0.0,
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
     place: str = "shrink",
-    draws: int = 16,
+    draws: int = 8,
     workers: int = 1,
     scheduler: str | None = None,
     policy_timeout_s: float = 60.0,
@@ -102,7 +106,7 @@ def compare(
     out: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> "Comparison":
-    """Replay policies in one world and score them on the same footing, as `lodbench compare` does.
+    """Tune policies to one budget, judge them on the same paths, and say which to take.
 
     A policy that breaks its contract is reported as failed, and the others are finished.
 
@@ -111,15 +115,25 @@ def compare(
     policies
         One, several, or a mapping of labels to policies; None for every registered one.
     traces
-        One trace, for now: more are refused.
+        Names, files, patterns of files, kinds of movement, or traces.
+    paths
+        Of each kind of movement.
     budget_ms
         None for one refresh of the display.
-    seconds
-        The stretch of the path that is replayed, (start, end); an end of None is the path's.
-    warmup_s
-        Seconds at its start that do not count.
+    miss
+        Share of time for which a policy may exceed the budget and still keep it.
     visible_px
         Least error, and change of it, that is seen.
+    margin
+        Part of the best's value within which another is as good.
+    as_shipped
+        Whether no policy is tuned; one with parameters, and an object, never is.
+    seeds
+        Replays of each path under other noise; None for 2, or 5 of a single path.
+    seconds
+        The stretch of each path that is replayed, (start, end); an end of None is the path's.
+    warmup_s
+        Seconds at its start that do not count.
     workers
         Processes; 0 for as many as there are processors.  No policy is replayed in this process.
     scheduler
@@ -127,18 +141,19 @@ def compare(
     policy_timeout_s, policy_memory_bytes
         What a policy may take before it fails: see `Limits`.
     out
-        Folder for report.html, comparison.json and the frames of every policy.  A comparison that
-        was stopped goes on, and one that the folder holds is not repeated.
+        Folder for report.html, comparison.json, all runs, and frames of every policy.  A comparison
+        that was stopped goes on, and one that the folder holds is not repeated.
     progress
-        Called with the replays done and the replays in all.
+        Called with the replays done and the replays asked for so far.
 
     Raises `InputError` if something cannot be loaded, or a label or parameter is refused.
     """
-    from .study.compare import CompareOptions
+    from .study.compare import CompareSettings, compared_policies
     from .study.compare import compare as compare_specs
     from .study.comparison_target import claimed_target
     from .study.engine.limits import Limits
     from .study.engine.open_engine import prepare_engine
+    from .study.paths import load_paths
 
     limits = Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes)
     with claimed_target(None if out is None else Path(out)) as target:
@@ -154,14 +169,18 @@ def compare(
             memory_bytes=memory_bytes,
             visible_px=visible_px,
         )
-        comparison, logs = compare_specs(
-            specs_of(default_policies() if policies is None else policies),
+        compared = compare_specs(
+            specs_of(compared_policies() if policies is None else policies),
             world,
-            as_trace(_only(traces), world, place).stretch(*seconds),
+            load_paths(_several(traces), world, place, paths=paths, seconds=seconds, seed=seed),
             machine,
             options,
-            CompareOptions(
+            CompareSettings(
                 warmup_s=warmup_s,
+                miss=miss,
+                margin=margin,
+                as_shipped=as_shipped,
+                seeds=seeds,
                 draws=draws,
                 workers=workers,
                 policy_limits=limits,
@@ -171,8 +190,8 @@ def compare(
             target=target,
         )
         if target is not None:
-            target.write(comparison, logs)
-    return comparison
+            target.write(compared)
+    return compared.comparison
 
 
 def check(
@@ -282,13 +301,6 @@ def register(name: str, thing: Any) -> None:
         logs.register_format(name, thing)
     else:
         _register_policy(name, thing)
-
-
-def _only(traces: TraceLike | Sequence[TraceLike]) -> TraceLike:
-    given = _several(traces)
-    if len(given) != 1:
-        raise InputError(f"traces: expected one, got {len(given)}; compare on each by itself")
-    return given[0]
 
 
 def _several(items: Any) -> tuple[Any, ...]:

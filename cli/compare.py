@@ -5,6 +5,7 @@ from typing import Annotated
 
 from typer import Argument, Exit, Option
 
+from ..base.errors import InputError
 from .shared import options
 from .shared.command_line import command_of
 from .shared.progress import progress_bar
@@ -88,7 +89,7 @@ def compare(
     scene: options.Scene = "district",
     trace: options.Traces = None,
     paths: options.Paths = None,
-    seconds: options.Seconds = "",
+    seconds: options.Seconds = "0:",
     warmup: options.Warmup = 1.0,
     hardware: options.Hardware = "desktop-assumed",
     policy: Policies = None,
@@ -120,15 +121,22 @@ def compare(
 ) -> None:
     """Compare policies at one budget: who keeps it, at the finest picture with least flicker."""
     from ..analysis.report.terminal_table import print_comparison
-    from ..analysis.study.compare import CompareSettings
+    from ..analysis.study.compare import (
+        DEFAULT_PATHS,
+        DEFAULT_TRACE,
+        QUICK_LENGTH_S,
+        QUICK_PATHS,
+        CompareSettings,
+        compared_policies,
+    )
     from ..analysis.study.compare import compare as compare_policies
     from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import adjust_machine
-    from ..analysis.study.paths import load_paths, path_plan
+    from ..analysis.study.inputs import adjust_machine, parse_seconds
+    from ..analysis.study.paths import load_paths
     from ..models.machine.profile_catalog import load_hardware
-    from ..policies.registry import default_policies, parse_policy
+    from ..policies.registry import parse_policy
     from ..sim.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
@@ -141,9 +149,16 @@ def compare(
         prepare_engine(scheduler)
         profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
         world = open_named_scene(scene).scene
-        policies = [parse_policy(text) for text in policy or default_policies()]
-        plan = path_plan(paths, quick=quick)
-        walked = load_paths(trace or ["trial"], world, place, plan=plan, seconds=seconds, seed=seed)
+        policies = [parse_policy(text) for text in policy or compared_policies()]
+        walked = load_paths(
+            trace or [DEFAULT_TRACE],
+            world,
+            place,
+            paths=paths or (QUICK_PATHS if quick else DEFAULT_PATHS),
+            length_s=QUICK_LENGTH_S if quick else None,
+            seconds=parse_seconds(seconds),
+            seed=seed,
+        )
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),
             seed=seed,
@@ -181,3 +196,19 @@ def compare(
         print(f"report: {out / 'report.html'}")
     if compared.comparison.failed:
         raise Exit(1)
+
+
+def _print_changes(folders: list[Path], *, as_json: bool) -> None:
+    """Print what changed from one folder to another."""
+    from ..analysis.report.changes_table import print_changes
+    from ..analysis.study.comparison_folder import read_results
+    from ..analysis.verdict.changes import find_changes
+
+    if len(folders) != 2:
+        raise InputError(f"compare: expected two folders or none, got {len(folders)}; name two")
+    before, after = map(read_results, folders)
+    changes = find_changes(before, after)
+    if as_json:
+        print_record(changes)
+    else:
+        print_changes(changes, table_console(100))

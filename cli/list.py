@@ -48,12 +48,13 @@ def known(kind: Subject) -> list[Item]:
 def _policies() -> Iterator[Item]:
     from dataclasses import asdict
 
+    from ..policies.knob import knob_of
     from ..policies.protocol import claims_of
     from ..policies.registry import REGISTERED, parameters, parse_policy
 
     for name in sorted(REGISTERED):
         spec = parse_policy(name)
-        cls, claims = spec.cls, claims_of(spec.make())
+        cls, claims, knob = spec.cls, claims_of(spec.make()), knob_of(spec)
         parts = _headings(inspect.getdoc(cls) or "")
         comments = _default_comments(inspect.getsource(cls))
         capabilities: dict[str, bool] = asdict(cls.capabilities)
@@ -65,6 +66,8 @@ def _policies() -> Iterator[Item]:
                 {"name": p.name, "default": p.default, "comment": comments.get(p.name, "")}
                 for p in parameters(cls)
             ],
+            "knob": None if knob is None else asdict(knob),
+            "no_knob": parts.get("Knob", ""),
             "cost_per_frame": parts["Cost per frame"],
             "capabilities": [key for key, has in capabilities.items() if has and key != "future"],
             "oracle": capabilities["future"],
@@ -85,10 +88,19 @@ def _rest(frames: int | None) -> list[str]:
 
 def _headings(docstring: str) -> dict[str, str]:
     """Split a policy's docstring at ``Idea:``, ``Uses:`` and so on; a part may have paragraphs."""
-    heading = re.compile(r"^(Idea|Uses|Parameters|Cost per frame|Reference):", re.MULTILINE)
+    heading = re.compile(r"^(Idea|Uses|Parameters|Knob|Cost per frame|Reference):", re.MULTILINE)
     parts = heading.split(docstring)
     texts = (" ".join(part.replace("``", "`").split()) for part in parts[2::2])
     return dict(zip(parts[1::2], texts, strict=True))
+
+
+def describe_knob(item: Item) -> str:
+    """Say what trades a policy's picture for time and in which range, or why nothing does."""
+    knob: Item | None = item["knob"]
+    if knob is None:
+        return str(item["no_knob"])
+    low, high = knob["low"], knob["high"]
+    return f"{knob['name']}, {low:g} to {high:g} ({knob['scale']}), finer when {knob['finer']}"
 
 
 def _default_comments(source: str) -> dict[str, str]:
@@ -182,7 +194,9 @@ def _rows(item: Item) -> Iterator[tuple[str, str]]:
     for key, value in item.items():
         if key == "parameters":
             yield from ((f"{p['name']}={p['default']}", p["comment"]) for p in value)
-        elif text := _show(value):
+        elif key == "knob":
+            yield "knob", describe_knob(item)
+        elif key != "no_knob" and (text := _show(value)):
             yield _label(key), text
 
 

@@ -107,13 +107,15 @@ def generate(
         str,
         Argument(
             metavar="KIND",
-            help="walk, drive, fly-over, orbit, look-around, dash, teleport or sudden-turn.",
+            help="walk, drive, fly-over, orbit, look-around, dash, teleport, sudden-turn or trial.",
         ),
     ],
     *,
     out: Annotated[Path, Option("--out", help="File to write.")],
     target: To = None,
-    duration_s: Annotated[float, Option(help="Length of the trace.")] = 60.0,
+    duration_s: Annotated[
+        float | None, Option(help="Length of the trace; else 60 s, and 12 s of trial.")
+    ] = None,
     rate_hz: Annotated[float, Option(help="Samples per second.")] = 60.0,
     speed_m_s: Annotated[float | None, Option(help="Largest speed; else the kind's own.")] = None,
     extent_m: Annotated[float, Option(help="Side of the square that is used.")] = 100.0,

@@ -169,7 +169,7 @@ def require_window(warmup_s: float, end_s: float) -> None:
     """Raise `InputError` unless a warm-up of the path leaves some of it to be measured."""
     if not 0.0 <= warmup_s < end_s:
         raise InputError(
-            f"warm-up: expected seconds >= 0 and less than the path's {end_s:g}, got {warmup_s:g}; "
+            f"warmup: expected seconds >= 0 and less than the path's {end_s:g}, got {warmup_s:g}; "
             "take a shorter warm-up, or a longer path"
         )
 

@@ -10,7 +10,7 @@ from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...policies.knob import Knob, knob_of
 from ...policies.policy_spec import PolicySpec
-from ...policies.registry import require_distinct
+from ...policies.registry import default_policies, require_distinct
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.vary import vary
@@ -28,6 +28,13 @@ from .tuning import Rotation, rotate, tune
 
 if TYPE_CHECKING:
     from .comparison_target import ComparisonTarget
+
+DEFAULT_SCENE, DEFAULT_TRACE, DEFAULT_PATHS = "district", "trial", 10
+QUICK_PATHS, QUICK_LENGTH_S = 4, 6.0
+"""What a quick comparison has of the default paths."""
+
+AS_SHIPPED = ("static-distance:scale=1", "static-screen:bias=1")
+"""Ladders at the values they ship with, beside those that are tuned."""
 
 VARIATIONS = 8
 """Variations of a single path on which knobs are tuned."""
@@ -163,6 +170,11 @@ def compare(
         if place.logged and (log := replays[place].log) is not None
     }
     return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))))
+
+
+def compared_policies() -> tuple[str, ...]:
+    """Return the policies of a comparison that names none."""
+    return (*default_policies(), *AS_SHIPPED)
 
 
 def require_paths(paths: Sequence[CameraTrace], warmup_s: float) -> None:

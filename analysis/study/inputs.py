@@ -23,7 +23,7 @@ from .stages import find_stage
 
 BUNDLED_TRACE = "tour"
 GENERATED_S = 30.0
-"""Length of a trace that is named by its kind of movement."""
+"""Most length of a trace that is named by its kind of movement."""
 
 Placing = Literal["shrink", "fit", "center", "none"]
 """How the trace of a file is put into a scene.
@@ -87,6 +87,11 @@ def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink")
     return load_trace_by(read_trace, name_or_path, scene, place)
 
 
+def made_length_s(kind: str) -> float:
+    """Return how long a trace is that is named by its kind of movement."""
+    return min(GENERATED_S, KINDS[kind].length_s)
+
+
 def load_trace_by(
     read: Callable[[str], CameraTrace], name_or_path: TraceLike, scene: SceneLike, place: str
 ) -> CameraTrace:
@@ -100,7 +105,7 @@ def load_trace_by(
     if spec == BUNDLED_TRACE:
         return stage.tour()
     if spec in KINDS:
-        return stage.move(spec, GENERATED_S)
+        return stage.move(spec, made_length_s(spec))
     if not _names_a_file(spec):
         names = [BUNDLED_TRACE, *KINDS]
         raise InputError(f"trace: {unknown_name(spec, names, instead='a file')}")

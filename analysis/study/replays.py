@@ -195,7 +195,7 @@ class Replays:
         if not wanted:
             return
         runs = list(map(self.bench.run_at, wanted))
-        results, missing = self._begin(wanted, runs)
+        results, missing = self._begin(runs)
         self._asked += len(wanted)
         done = self._asked - len(missing)
         for outcome in self._engine.run([runs[at] for at in missing]):
@@ -208,17 +208,12 @@ class Replays:
                 self._progress(done, self._asked)
         self._keep(wanted, results)
 
-    def _begin(
-        self, wanted: Sequence[Place], runs: Sequence[Run]
-    ) -> tuple[dict[int, Scored | Failure], list[int]]:
+    def _begin(self, runs: Sequence[Run]) -> tuple[dict[int, Scored | Failure], list[int]]:
         """Return what an earlier start left of a round, and which of its runs are missing."""
         if self._work is None:
             return {}, list(range(len(runs)))
         names = {digest: value.name for digest, value in self.bench.inputs.items()}
-        axes = {"knob": [place.knob for place in wanted]}
-        listed = RunList(
-            tuple(runs), names, axes, stop=True, limits=self._limits, study=self._work.study
-        )
+        listed = RunList(tuple(runs), names, stop=True, limits=self._limits, study=self._work.study)
         results = self._work.begin(listed)
         return results, [at for at in listed.wanted(_failed(results)) if at not in results]
 

@@ -3,8 +3,8 @@
 The joint posterior of P means, given n paths that all policies share, is a multivariate t whose
 scatter is that of the paths: policies that rise and fall together stay together, so that small
 paired differences are told from large common ones.  A draw is the means plus the centred data
-times normal weights, which never needs the P × P covariance.  The chance of being
-the best is taken from leads that are shrunk: of many equals one is always in front.
+times normal weights, which never needs the P × P covariance.  The chance of being the best is taken
+from leads that are shrunk: of many equals one is always in front.
 """
 
 from collections.abc import Sequence

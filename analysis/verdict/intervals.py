@@ -5,7 +5,7 @@ machine*: such paths on a machine whose costs are as uncertain as the profile sa
 sided, with 5 % beyond each end unless `level` says otherwise.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -161,7 +161,9 @@ def _of_two_parts(values: FloatArray, most: float, level: float) -> Interval:
     """Return the interval of (share of paths with any) × (mean of those), a product of quantiles.
 
     Jeffreys' beta for the first, as exact bounds would count the doubt twice; where no path has
-    any, the exact bound times the `most` that a path can have.
+    any, the exact bound times the `most` that a path can have.  One path with any shows no spread:
+    it is taken as varying by its own size.  A share's interval covers from few such paths too, as
+    it is wide then and ends at 1; an unbounded one does not.
     """
     n, some = len(values), values[values > 0]
     k = len(some)
@@ -170,14 +172,15 @@ def _of_two_parts(values: FloatArray, most: float, level: float) -> Interval:
         if not np.isfinite(most):  # nothing tells how much a path with any would have
             return Interval(0.0, 0.0, enough=False, needed=None)
         return Interval(0.0, most * float(betaincinv(1, n, 1 - tail)), enough=True, needed=None)
-    squared, error = _relative(some) if k > 1 else (0.0, 0.0)
+    squared, error = _relative(some) if k > 1 else (1.0, 1.0)
     of_some = float(some.mean()) * np.exp(stdtrit(max(k - 1, 1), _GRID) * error)
     share = betaincinv(k + 0.5, n - k + 0.5, _GRID)
     low, high = np.quantile(np.outer(share, np.minimum(of_some, most)), [tail, 1 - tail])
-    found = _judged(float(low), float(high), k, squared)
-    if found.needed is None:
-        return found
-    return Interval(found.low, found.high, enough=False, needed=ceil(found.needed * n / k))
+    if np.isfinite(most) and k < _FEWEST:
+        return _judged(low, high, n, 0.0)
+    found = _judged(low, high, k, squared)
+    needed = None if found.needed is None else ceil(found.needed * n / k)
+    return replace(found, needed=needed)
 
 
 def _relative(values: FloatArray) -> tuple[float, float]:

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from lodbench.cli.list import Item, known
+from lodbench.cli.list import Item, describe_knob, known
 
 FOLDER = Path(__file__).parents[1]
 MADE = re.compile(r"(<!-- made by docs/scripts/build_tables.py -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -18,14 +18,15 @@ def row(*cells: str) -> str:
 
 def overview(items: list[Item]) -> Iterator[str]:
     """Yield a table of all policies."""
-    yield row("policy", "drives", "claims", "parameters", "published source")
-    yield row("---", "---", "---", "---", "---")
+    yield row("policy", "drives", "claims", "knob", "parameters", "published source")
+    yield row("---", "---", "---", "---", "---", "---")
     for item in items:
         link = f"[`{item['name']}`](#{item['name']})"
         parameters = ", ".join(f"`{p['name']}`" for p in item["parameters"]) or "none"
         drives = ", ".join(item["capabilities"]) + "; sees the future" * item["oracle"]
         claims = ", ".join(item["claims"]) or "none"
-        yield row(link, drives, claims, parameters, source(item["reference"]))
+        knob = f"`{item['knob']['name']}`" if item["knob"] else "none"
+        yield row(link, drives, claims, knob, parameters, source(item["reference"]))
 
 
 def source(reference: str) -> str:
@@ -39,6 +40,7 @@ def section(item: Item) -> Iterator[str]:
     yield f"\n## {item['name']}\n"
     yield f"{idea[0].upper()}{idea[1:]}\n"
     yield f"Uses: {item['uses']} Cost per frame: {item['cost_per_frame']}\n"
+    yield f"Knob: {describe_knob(item)}\n"
     if item["parameters"]:
         yield row("parameter", "default", "why")
         yield row("---", "---", "---")

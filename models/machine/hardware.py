@@ -27,7 +27,7 @@ class Display:
     width_px, height_px : viewport
     """
 
-    mode: DisplayMode = "immediate"
+    mode: DisplayMode = "vsync"  # what a user sees who changes nothing
     refresh_hz: float = 60.0
     vrr_min_hz: float = 48.0
     images: int = 3

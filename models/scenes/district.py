@@ -39,7 +39,7 @@ from .parts.district_meshes import (
 from .scene_registry import BundledScene
 
 _SEED = 60
-_CHAIN = ChainOptions(levels=7, ratio=0.4, min_triangles=48)
+_CHAIN = ChainOptions(levels=7, ratio=0.48, min_triangles=48)
 _SAMPLING = Sampling(vertices=5_000, surface=1_000)
 _MAKERS = (
     tower_mesh,

@@ -19,6 +19,8 @@ class Full:
 
     Parameters: none.
 
+    Knob: none, as nothing is finer and anything coarser would be management.
+
     Cost per frame: none.
 
     Reference: the "no optimization" run of Funkhouser and Séquin, SIGGRAPH 1993.

@@ -34,6 +34,8 @@ class Oracle:
 
     Parameters: `exact_up_to`.
 
+    Knob: none, as it knows what the budget buys and no other share of it would be a bound.
+
     Cost per frame: not charged; an oracle is a bound, not a competitor.
 
     Reference: Sinha and Zoltners, Operations Research 27, 1979; HiGHS through scipy's ``milp``.

@@ -59,7 +59,8 @@ class ScreenErrors:
         if not area_px:
             return 0.0
         beyond_px = sse_px.take(at) - self._visible_px
-        return float(beyond_px @ drawn.area_px.take(at)) / area_px
+        beyond_px *= drawn.area_px.take(at)  # a product of vectors adds in an order of its own
+        return float(np.add.reduce(beyond_px)) / area_px
 
 
 class FlatQuality:

@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lodbench.analysis.metrics.footing import Footing
+from lodbench.analysis.metrics.metric_registry import METRICS
+from lodbench.analysis.metrics.worst_moment import Moment
+from lodbench.analysis.study.score import Scored
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
-from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provenance
+from lodbench.models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import ObjectTypes, Scene
@@ -110,6 +114,7 @@ def machine() -> HardwareProfile:
         gpu=CostModel.of(1.0, {"triangles": 1e-4}),
         cpu=CpuCostModel.of(4.0, {"objects_visited": 1e-4}),
         gpu_residual=Residual("gaussian", 0.02),
+        display=Display("immediate"),
     )
 
 
@@ -176,3 +181,23 @@ class OnlyTrees(Coarsest):
 class Seer(Coarsest):
     capabilities = Capabilities(future=True)
 '''
+
+
+@pytest.fixture(scope="session")
+def made_scored() -> Callable[..., Scored]:
+    """Return a builder of scores: of every metric the same number, unless another is given."""
+
+    def build(*, judged_ms: float = 10.0, fill: float = 1.0, **values: float | None) -> Scored:
+        known: dict[str, float | None] = {metric.id: fill for metric in METRICS}
+        assert values.keys() <= known.keys()
+        return Scored(
+            log=None,
+            values=known | values,
+            steps=(),
+            frames=100,
+            judged_ms=judged_ms,
+            worst=Moment("path", 2.0, (0.0, 0.0, 1.7), judged_ms, 5.0, "triangles", 3.0),
+            footing=Footing(100.0, 0.0),
+        )
+
+    return build

@@ -8,7 +8,7 @@ REPLAY = """
 import hashlib
 import numpy as np
 from lodbench.models.machine.cost import CostModel, CpuCostModel
-from lodbench.models.machine.hardware import HardwareProfile, Provenance
+from lodbench.models.machine.hardware import Display, HardwareProfile, Provenance
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.scene import ObjectTypes, Scene
@@ -29,6 +29,7 @@ hardware = HardwareProfile(
     "machine", Provenance("assumed", assumed=True),
     CostModel.of(1.0, {"triangles": 1e-6, "shaded_samples": 1e-7}),
     CpuCostModel.of(0.5, {"draw_calls": 1e-4}), Residual("student-t", 0.05),
+    display=Display("immediate"),
 )
 trace = generate("look-around", duration_s=20.0, extent_m=100.0, seed=3)
 options = ReplayOptions(budget_ms=8.0, frames=30, seed=5, crossfade_ms=50.0)

@@ -11,7 +11,7 @@ from lodbench.base.errors import InputError
 from lodbench.sim.replay import ReplayOptions
 
 WHOLE = ("frames", "seed", "measurement_delay", "bound_every", "draw")
-REAL = ("budget_ms", "fovy_deg", "crossfade_ms", "memory_bytes")
+REAL = ("budget_ms", "fovy_deg", "crossfade_ms", "visible_px", "memory_bytes")
 
 
 @pytest.mark.parametrize("value", [2.5, "2", True, np.float64(3.0)])
@@ -51,8 +51,16 @@ def test_faults_are_faults() -> None:
 
 
 @pytest.mark.parametrize("options", [CompareOptions, MeasureOptions])
-@pytest.mark.parametrize("name", ["resamples", "draws", "workers"])
+@pytest.mark.parametrize("name", ["draws", "workers"])
 def test_scores_are_of_whole_numbers(options: Any, name: str) -> None:
     """One and a half draws or processes are refused, not rounded."""
     with pytest.raises(InputError, match=f"{name}: expected a whole number"):
         options(**{name: 10.5})
+
+
+@pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
+def test_visible_errors_are_pixels(value: float) -> None:
+    """Nothing is seen below an endless error, and a negative one is none."""
+    with pytest.raises(InputError, match="visible: expected pixels >= 0, got"):
+        ReplayOptions(budget_ms=5.0, visible_px=value)
+    assert ReplayOptions(budget_ms=5.0, visible_px=0).visible_px == 0

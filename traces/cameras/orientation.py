@@ -47,3 +47,15 @@ def turn_deg(first_xyzw: FloatArray, second_xyzw: FloatArray) -> FloatArray:
     apart = np.linalg.norm(first_xyzw - second_xyzw, axis=-1)
     together = np.linalg.norm(first_xyzw + second_xyzw, axis=-1)
     return np.degrees(4.0 * np.arctan2(np.minimum(apart, together), np.maximum(apart, together)))
+
+
+def turn_by(orientation_xyzw: FloatArray, yaw_rad: ArrayLike, pitch_rad: ArrayLike) -> FloatArray:
+    """Orientations (n, 4) of cameras turned about the scene's z, then up about their own x."""
+    half_z = 0.5 * np.asarray(yaw_rad, dtype=np.float64)
+    half_x = 0.5 * np.asarray(pitch_rad, dtype=np.float64)
+    cz, sz, cx, sx = np.cos(half_z), np.sin(half_z), np.cos(half_x), np.sin(half_x)
+    x, y, z, w = np.moveaxis(orientation_xyzw, -1, 0)
+    # The yaw stands on the left, being of the scene; the pitch on the right.
+    x, y, z, w = cz * x - sz * y, cz * y + sz * x, cz * z + sz * w, cz * w - sz * z
+    turned = (x * cx + w * sx, y * cx + z * sx, z * cx - y * sx, w * cx - x * sx)
+    return np.stack(turned, axis=-1) / np.linalg.norm(turned, axis=0)[:, np.newaxis]

@@ -1,4 +1,4 @@
-"""How many frames take how long: work time, and interval between displays."""
+"""For how much of the time frames take how long: work time, and interval between displays."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ _TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
 
 @section("How slow the slow frames are")
 def slow_frames(results: Results) -> tuple[Chart]:
-    """On the first path, the share of frames that take at least so long, on a logarithmic scale.
+    """On the first path, the share of time in frames that take so long or longer; both logarithmic.
 
     The 99th percentile is where a line crosses 1 %.
     """
@@ -28,11 +28,11 @@ def _chart(results: Results) -> Any:
     for policy in comparison.ok:
         run = MeasuredFrames(results.logs[policy.label], *comparison.paths[0].window_s)
         for column, values in enumerate((run.work_ms, run.frame_ms), 1):
-            x, share = tail(values, _POINTS)
+            x, share = tail(values, run.cost_weight_ms, _POINTS)
             ink, points = results.inks[policy.label], (x, 100.0 * share)
             add_line(figure, (1, column), points, policy, ink, first=column == 1, line_shape="vh")
     figure.add_vline(x=comparison.budget_ms, line=BUDGET)
-    figure.update_yaxes(type="log", title_text="frames at least this slow, %", col=1)
+    figure.update_yaxes(type="log", title_text="time in frames at least this slow, %", col=1)
     figure.update_yaxes(type="log", dtick=1)
     figure.update_xaxes(type="log", title_text="ms", tickvals=_TICKS_MS)
     return styled(figure, 350, comparison.ok)

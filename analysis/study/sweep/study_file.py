@@ -196,7 +196,11 @@ class _Reader:
                 if alone.message.startswith("exclude: "):
                     self._fail(f"exclude.{number}", alone)
         first = error.message.partition(":")[0].partition(" ")[0]
-        named = [key for key in given if key.rstrip("s") == first.rstrip("s") or key == first]
+        named = [
+            key
+            for key in given
+            if first in {key, key.removesuffix("_s")} or key.rstrip("s") == first.rstrip("s")
+        ]
         self._fail(named[0] if named else "", error)
 
     def _fail(self, where: str, error: InputError) -> NoReturn:

@@ -30,9 +30,9 @@ def chapel_mesh(rng: np.random.Generator) -> SurfaceMesh:
         for angle in np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
     ]
     height = np.linspace(0.0, 8.0, 61)
-    relief = 4.2 + 0.12 * np.sin(2.0 * np.pi * height / 0.8)
+    relief = 4.2 + 0.25 * np.sin(2.0 * np.pi * height / 0.8)
     drum = _weathered(rng, revolved(list(zip(height.tolist(), relief.tolist(), strict=True)), 96))
-    dome = move_part(_rough_lump(rng, 5, 0.02, 0.02), (0.0, 0.0, 8.0), (6.2, 6.2, 6.0))
+    dome = move_part(_rough_lump(rng, 5, 0.04, 0.04), (0.0, 0.0, 8.0), (6.2, 6.2, 6.0))
     return _finish("chapel", [drum, dome, *columns], height_m=10.0)
 
 
@@ -41,9 +41,9 @@ def fountain_mesh(rng: np.random.Generator) -> SurfaceMesh:
     basins = [
         _weathered(rng, revolved(_basin(r, z), 96)) for z, r in ((0.2, 3.0), (1.6, 1.9), (2.9, 1.1))
     ]
-    column = move_part(_rough_lump(rng, 4, 0.15, 0.05), (0.0, 0.0, 2.5), (0.5, 0.5, 2.5))
+    column = move_part(_rough_lump(rng, 4, 0.2, 0.1), (0.0, 0.0, 2.5), (0.5, 0.5, 2.5))
     figures = [
-        move_part(_rough_lump(rng, 3, 0.25, 0.05), (2.2 * np.cos(a), 2.2 * np.sin(a), 1.0), 0.6)
+        move_part(_rough_lump(rng, 3, 0.3, 0.1), (2.2 * np.cos(a), 2.2 * np.sin(a), 1.0), 0.6)
         for a in (0.0, 2.1, 4.2)
     ]
     return _finish("fountain", [*basins, column, *figures], height_m=5.0)
@@ -52,7 +52,7 @@ def fountain_mesh(rng: np.random.Generator) -> SurfaceMesh:
 def statue_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return a person in stone 4 m tall on a plinth, as a scan has it: 48,000 triangles."""
     limbs = [
-        move_part(_rough_lump(rng, 4, 0.12, 0.04), center, radii)
+        move_part(_rough_lump(rng, 4, 0.15, 0.1), center, radii)
         for center, radii in (
             ((-0.12, 0.0, 1.32), (0.1, 0.11, 0.44)),
             ((0.12, 0.0, 1.32), (0.1, 0.11, 0.44)),
@@ -61,7 +61,7 @@ def statue_mesh(rng: np.random.Generator) -> SurfaceMesh:
             ((0.0, -0.02, 2.56), (0.12, 0.14, 0.17)),
         )
     ]
-    body = move_part(_rough_lump(rng, 5, 0.12, 0.04), (0.0, 0.0, 2.0), (0.25, 0.17, 0.4))
+    body = move_part(_rough_lump(rng, 5, 0.15, 0.1), (0.0, 0.0, 2.0), (0.25, 0.17, 0.4))
     plinth = move_part(rough_box(rng, 14), (0.0, 0.0, 0.45), (0.9, 0.9, 0.9))
     return _finish("statue", [body, plinth, *limbs], height_m=4.0)
 
@@ -70,7 +70,7 @@ def tree_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return a tree 9 m tall: a trunk and seven leafy lumps: 57,000 triangles."""
     trunk = revolved([(0.0, 0.45), (0.6, 0.28), (2.5, 0.2), (5.0, 0.12)], 24)
     crown = [
-        move_part(_rough_lump(rng, subdivisions, 0.2, 0.12), center, radius)
+        move_part(_rough_lump(rng, subdivisions, 0.3, 0.2), center, radius)
         for subdivisions, center, radius in (
             (5, (0.0, 0.0, 6.2), 1.7),
             (4, (1.1, 0.3, 4.8), 1.4),
@@ -87,7 +87,7 @@ def tree_mesh(rng: np.random.Generator) -> SurfaceMesh:
 
 def boulder_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return a boulder 2 m tall, as a scan has it: 20,480 triangles."""
-    return _finish("boulder", [_rough_lump(rng, 5, 0.22, 0.05)], height_m=2.0)
+    return _finish("boulder", [_rough_lump(rng, 5, 0.3, 0.1)], height_m=2.0)
 
 
 def _finish(name: str, parts: Sequence[MeshPart], *, height_m: float) -> SurfaceMesh:
@@ -154,7 +154,7 @@ def _facade(
     window = (np.abs(across - 0.5) < 0.25) & (np.abs(up - 0.6) < 0.25)
     balcony = (np.abs(across - 0.5) < 0.35) & (up < 0.2)
     points = np.stack((plan[..., 0], plan[..., 1], v), axis=-1)
-    out = 0.6 * balcony - 0.3 * window + 0.04 * noise(points.reshape(-1, 3), rng).reshape(u.shape)
+    out = 1.0 * balcony - 0.5 * window + 0.08 * noise(points.reshape(-1, 3), rng).reshape(u.shape)
     points[..., :2] += out[..., None] * outward
     points[-1] = points[0]  # closed to the bit
     inside = np.array((0.8, 0.4, 0.0))[None, :, None] * points[:, -1:, :2]

@@ -16,12 +16,12 @@ from lodbench.base.errors import InputError
 FILE = """# what a frame may take
 [limits]
 frame_ms_p99 = { max = 16.7, max_increase = "5%", floor = 0.5 }
-toggles_per_frame = { max = 0.05 }
+toggles_per_s = { max = 0.05 }
 
 [[for]]
 policy = "feedback"
 trace = "dash*"
-limits = { toggles_per_frame = { max = 0.4 } }
+limits = { toggles_per_s = { max = 0.4 } }
 
 [[for]]
 scene = "plaza"
@@ -42,10 +42,10 @@ def test_limits_for_everything_and_for_some() -> None:
         "frame_ms_p99 max 16.7",
         "frame_ms_p99 max_increase 5%, floor 0.5",
     ]
-    assert texts(FILE, "pid", "yard", "dash-0") == [*general, "toggles_per_frame max 0.05"]
+    assert texts(FILE, "pid", "yard", "dash-0") == [*general, "toggles_per_s max 0.05"]
     assert texts(FILE, "feedback:gain=1", "yard", "dash-0") == [
         *general,
-        "toggles_per_frame max 0.4",
+        "toggles_per_s max 0.4",
     ]
     assert texts(FILE, "pid", "plaza", "tour")[-2:] == [
         "benefit_ratio min 0.9",
@@ -60,7 +60,7 @@ def test_limits_know_their_line(tmp_path: Path) -> None:
     limits = read_limits(path).of("feedback", "plaza", "dash-0")
     assert {limit.metric: limit.line for limit in limits} == {
         "frame_ms_p99": 3,
-        "toggles_per_frame": 9,
+        "toggles_per_s": 9,
         "benefit_ratio": 14,
     }
 
@@ -89,7 +89,7 @@ def test_amounts() -> None:
         ("[limits]\nframe_ms_p99 = {max_increase = 'lots'}", 2, "got lots"),
         ("[limits]\nframe_ms_p99 = {max_increase = -1}", 2, "expected an amount >= 0"),
         ("[limits]\nframe_ms_p99 = {max = 1, floor = 1}", 2, "expected one of max, min"),
-        ("[limits]\ntoggles_per_frame = {max = 'budget'}", 2, "is in switches"),
+        ("[limits]\ntoggles_per_s = {max = 'budget'}", 2, "is in 1/s"),
         ("[limit]\nframe_ms_p99 = {max = 1}", 1, "did you mean limits?"),
         ("[limits]\n[for]\npolicy = 'a'", 2, "expected [[for]]"),
         ("[limits]\n[[for]]\npolicy = 1", 3, "expected a name of a policy"),

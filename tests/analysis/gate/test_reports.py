@@ -13,7 +13,7 @@ from lodbench.analysis.gate.measurements import Conditions
 from lodbench.analysis.gate.plain_text import describe, describe_failures, lines
 from lodbench.analysis.gate.worst_frame import WorstFrame
 
-CONDITIONS = Conditions("machine", 10.0, 60.0, 0, 4, 200, 30, None)
+CONDITIONS = Conditions("machine", 10.0, 60.0, 0, 4, 1.0, 1.0)
 WORST = WorstFrame(2, 153, 2.5, 24.0, (1.0, -2.0, 1.65))
 FAILS = Verdict(
     "mine:a=1,b=2",

@@ -94,7 +94,7 @@ def test_weights_are_those_of_a_watcher(
 @pytest.mark.parametrize("window_s", [(1.0, 1.0), (-0.1, 1.0), (2.0, 1.0), (np.nan, 1.0)])
 def test_empty_windows_are_refused(make_log: MakeLog, window_s: tuple[float, float]) -> None:
     """A warm-up that leaves nothing of the path is told with the path's length."""
-    with pytest.raises(InputError, match=r"warm-up: expected seconds >= 0 and less than"):
+    with pytest.raises(InputError, match=r"warmup: expected seconds >= 0 and less than"):
         MeasuredFrames(make_log(gpu_ms=np.ones(300)), *window_s)
 
 

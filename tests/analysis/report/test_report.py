@@ -15,7 +15,7 @@ from lodbench.analysis.report.blocks import Across, Cell, Paragraph, Section, Ta
 from lodbench.analysis.report.page import render_page
 from lodbench.analysis.report.palette import inks
 from lodbench.analysis.report.render import SECTIONS, render_report
-from lodbench.analysis.report.series import bin_means, envelope, tail
+from lodbench.analysis.report.series import envelope, tail
 from lodbench.analysis.study.compare import CompareOptions, compare
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.models.machine.hardware import HardwareProfile
@@ -61,7 +61,7 @@ def results(
     """Return a comparison with a failed policy, whose reason holds markup."""
     texts = ["full", "static-screen", "feedback", f"{bad_policies}:Raises", f"{bad_policies}:Seer"]
     policies = [parse_policy(text) for text in texts]
-    options = CompareOptions(workers=1, resamples=20)
+    options = CompareOptions(workers=1, warmup_s=0.5)
     replay = ReplayOptions(budget_ms=8.0)
     return compare(policies, small_scene, turn_trace, machine, replay, options)
 
@@ -77,7 +77,13 @@ def test_page_says_all_that_matters(results: Results) -> None:
     """Policies, every metric with its source, provenance, warm-up and the step are on the page."""
     comparison, _ = results
     text = Page(render_report(*results)).text
-    for part in ("full", "static-screen", "feedback", "first 30 frames", "made up for tests"):
+    for part in (
+        "full",
+        "static-screen",
+        "feedback",
+        "0.5 to 3 s of the path",
+        "made up for tests",
+    ):
         assert part in text
     for metric in METRICS:
         assert metric.id in text
@@ -121,7 +127,7 @@ def test_every_section_is_on_the_page_once() -> None:
 def test_charts_hold_every_policy(results: Results) -> None:
     """Each chart draws each policy that was scored, and the one that failed nowhere."""
     html = render_report(*results)
-    for chart in ("time", "distribution", "steps", "pareto", "duels"):
+    for chart in ("time", "distribution", "steps", "tradeoffs"):
         assert html.count(f'id="chart-{chart}"') == 1, chart
     assert len(re.findall(r'"name":"static-screen"', html)) >= 4 + 2 + 1 + 3
     assert not re.search(r'"name":"[^"]*Raises"', html)
@@ -142,7 +148,7 @@ def test_page_of_failures_only(
         turn_trace,
         machine,
         ReplayOptions(budget_ms=8.0),
-        CompareOptions(workers=1, resamples=4),
+        CompareOptions(workers=1),
     )
     page = Page(render_report(*results))
     assert page.open == []
@@ -180,24 +186,20 @@ def test_envelope_keeps_the_range(values: list[float], buckets: int) -> None:
     assert len(few) <= max(2 * buckets, len(y) if len(y) <= 2 * buckets else 0)
 
 
-def test_bin_means_by_hand() -> None:
-    """Means of bins of one second; an empty bin has none."""
-    x, y = np.array([0.1, 0.2, 0.9, 2.5]), np.array([1.0, 2.0, 6.0, 4.0])
-    means = bin_means(x, y, np.array([0.0, 1.0, 2.0, 3.0]))
-    assert means.tolist()[::2] == [3.0, 4.0]
-    assert np.isnan(means[1])
-
-
 def test_tail_by_hand() -> None:
-    """Of four frames all take at least the shortest, one in four at least the longest."""
-    x, share = tail(np.array([3.0, 1.0, np.nan, 2.0, 9.0]), 100)
+    """All time is in frames of the shortest at least, and half in the longest, which lasts so long.
+
+    A frame that is never shown has no interval, and one that weighs nothing no time.
+    """
+    values = np.array([3.0, 1.0, np.nan, 2.0, 9.0, 7.0])
+    x, share = tail(values, np.array([1.0, 1.0, 5.0, 1.0, 3.0, 0.0]), 100)
     assert x.tolist() == [1.0, 2.0, 3.0, 9.0]
-    assert share.tolist() == [1.0, 0.75, 0.5, 0.25]
+    assert share == pytest.approx([1.0, 5 / 6, 4 / 6, 0.5])
 
 
 def test_tail_is_thinned_in_its_body_only() -> None:
     """Of 10,000 frames the slowest twentieth is drawn in full."""
-    x, share = tail(np.arange(10_000.0), 100)
+    x, share = tail(np.arange(10_000.0), np.ones(10_000), 100)
     assert len(x) <= 601
     assert x[-500:].tolist() == np.arange(9_500.0, 10_000.0).tolist()
     assert share[-1] == pytest.approx(1e-4)

@@ -22,15 +22,15 @@ from lodbench.traces.cameras.camera_trace import CameraTrace
 
 @pytest.fixture(scope="module")
 def comparison(
-    small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
+    small_scene: Scene, turn_trace: CameraTrace, fitted_machine: HardwareProfile, bad_policies: Path
 ) -> Comparison:
     """Return a comparison with a winner, an oracle, a failure and a policy that does not fit."""
     texts = ["full", "static-screen:first=0.5,hysteresis=0.02,bias=1.5"]
     texts += [f"{bad_policies}:{name}" for name in ("Raises", "OnlyTrees", "Seer")]
-    options = CompareOptions(workers=1, resamples=10)
+    options = CompareOptions(workers=1, warmup_s=0.5, draws=2)
     replay = ReplayOptions(budget_ms=8.0)
     policies = [parse_policy(text) for text in texts]
-    return compare(policies, small_scene, turn_trace, machine, replay, options)[0]
+    return compare(policies, small_scene, turn_trace, fitted_machine, replay, options)[0]
 
 
 def printed(comparison: Comparison, width: int, *, wide: bool = False) -> str:
@@ -75,9 +75,9 @@ def test_narrow_terminal_gets_several_short_tables(comparison: Comparison, width
     text = printed(comparison, width)
     tables = text.count("\npolicy ")
     assert tables > 1
-    assert text.count(" full ") == tables
+    assert text.count("\nfull ") == tables
     assert "…" not in text
-    assert max(len(line) for line in text.splitlines() if " full " in line) <= width
+    assert max(len(line) for line in text.splitlines() if line.startswith("full ")) <= width
 
 
 def test_policies_of_one_reason_share_a_line(comparison: Comparison) -> None:
@@ -88,7 +88,7 @@ def test_policies_of_one_reason_share_a_line(comparison: Comparison) -> None:
 
 
 def test_table_says_what_was_replayed(comparison: Comparison) -> None:
-    """Scene, trace, hardware that is assumed, budget and warm-up are named."""
+    """Scene, trace, hardware that is assumed, budget and window are named."""
     text = printed(comparison, 100)
     for part in (
         "small, 60 nodes",
@@ -97,7 +97,7 @@ def test_table_says_what_was_replayed(comparison: Comparison) -> None:
         "budget 8 ms",
     ):
         assert part in text
-    assert "first 30 frames are warm-up" in text
+    assert "over 0.5 to 3 s of the path" in text
 
 
 def test_failures_are_told_with_their_reason(comparison: Comparison) -> None:
@@ -109,7 +109,7 @@ def test_failures_are_told_with_their_reason(comparison: Comparison) -> None:
 
 def test_best_of_each_column_is_marked_without_colour(comparison: Comparison) -> None:
     """A star marks the best, and an oracle never gets one."""
-    rows = [line for line in printed(comparison, 100).splitlines() if " full " in line]
+    rows = [line for line in printed(comparison, 100).splitlines() if line.startswith("full ")]
     assert "0*" in rows[0]  # full detail never toggles
     for column in HEADLINE:
         assert not any("Seer" in label for label in best_labels(comparison, column.metric))
@@ -119,12 +119,12 @@ def test_best_of_each_column_is_marked_without_colour(comparison: Comparison) ->
 
 def test_equal_values_have_no_best(comparison: Comparison) -> None:
     """Where all policies are equal, none is marked."""
-    assert best_labels(comparison, "missing_objects_per_frame") == set()
+    assert best_labels(comparison, "missing_objects_mean") == set()
 
 
 def test_unsettled_mean_is_a_lower_bound(comparison: Comparison) -> None:
     """Full detail never settles: its settling time is marked."""
-    row = next(line for line in printed(comparison, 100).splitlines() if " full " in line)
+    row = next(line for line in printed(comparison, 100).splitlines() if line.startswith("full "))
     assert ">" in row
 
 

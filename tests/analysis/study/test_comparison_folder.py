@@ -23,7 +23,7 @@ Results = tuple[Comparison, dict[str, FrameLog]]
 def results(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile) -> Results:
     """Return a comparison of two policies, one of whose labels no file system would like."""
     policies = [parse_policy(text) for text in ("full", "static-screen:first=0.5,bias=2")]
-    options = CompareOptions(workers=1, resamples=10)
+    options = CompareOptions(workers=1)
     return compare(
         policies, small_scene, turn_trace, machine, ReplayOptions(budget_ms=8.0), options
     )

@@ -54,8 +54,8 @@ class Command:
                 self.scene,
                 self.trace,
                 self.hardware,
-                ReplayOptions(budget_ms=8.0, seed=seed, frames=60),
-                CompareOptions(workers=1, resamples=12, draws=2),
+                ReplayOptions(budget_ms=8.0, seed=seed),
+                CompareOptions(workers=1, draws=2),
                 progress=progress,
                 target=target,
             )

@@ -21,7 +21,7 @@ def toured() -> Comparison:
         load_trace("tour", scene),
         load_hardware("desktop-assumed"),
         ReplayOptions(budget_ms=6.0),
-        CompareOptions(workers=1, resamples=20),
+        CompareOptions(workers=1),
     )[0]
 
 
@@ -29,7 +29,6 @@ def test_feedback_is_steadier_than_static_than_none(toured: Comparison) -> None:
     """Where the way leads into dense areas, frame times vary least under feedback."""
     spread = [policy.metrics["frame_ms_sd"].value or 0.0 for policy in toured.ok]
     assert 0.0 < spread[0] < spread[1] < spread[2]
-    assert toured.beats["frame_ms_sd"]["static-distance"][2] == 1.0
 
 
 def test_feedback_overshoots_a_sudden_step_and_settles(toured: Comparison) -> None:

@@ -22,10 +22,10 @@ def test_compare_runs(name: str) -> None:
         comparison, logs = compare(
             [parse_policy(text) for text in default_policies()],
             scene,
-            load_trace(path, scene),
+            load_trace(path, scene).stretch(0.0, 0.2),
             load_hardware("desktop-assumed"),
-            ReplayOptions(budget_ms=16.7, frames=12),
-            CompareOptions(warmup=2, resamples=5, workers=1),
+            ReplayOptions(budget_ms=16.7),
+            CompareOptions(warmup_s=0.05, workers=1),
         )
         failed = [
             (item.name, item.reason) for item in comparison.policies if item.status == "failed"
@@ -33,7 +33,7 @@ def test_compare_runs(name: str) -> None:
         assert failed == []
         fit = [item.name for item in comparison.policies if item.status == "ok"]
         assert len(fit) >= (4 if not scene.flat else 15)
-        assert all(len(log) == 12 for log in logs.values())
+        assert len(logs) == len(fit)
         if path == "walk":  # others may look away from all there is
             assert max(float(log["drawn"].max()) for log in logs.values()) > 0.0
 

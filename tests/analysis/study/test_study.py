@@ -23,7 +23,7 @@ def cells_of(study: Study, *names: str) -> list[tuple[Any, ...]]:
 
 def test_every_combination_is_a_run() -> None:
     """Policy slowest and seed fastest, each run with its own options and its place on the axes."""
-    study = Study(["full", "zach"], budget_ms=[8, 16], seeds=2, frames=60)
+    study = Study(["full", "zach"], budget_ms=[8, 16], seeds=2, warmup_s=0.5)
     assert cells_of(study, "policy", "budget_ms", "seed") == [
         ("full", 8, 0), ("full", 8, 1), ("full", 16, 0), ("full", 16, 1),
         ("zach", 8, 0), ("zach", 8, 1), ("zach", 16, 0), ("zach", 16, 1),
@@ -32,7 +32,7 @@ def test_every_combination_is_a_run() -> None:
     assert [(run.policy.label, run.options.budget_ms, run.options.seed) for run in runs] == (
         cells_of(study, "policy", "budget_ms", "seed")
     )
-    assert {run.options.frames for run in runs} == {60}
+    assert {run.warmup_s for run in runs} == {0.5}
     assert len({run.digest for run in runs}) == len(study) == 8
 
 
@@ -145,13 +145,13 @@ def test_objects_go_by_their_names() -> None:
 
 def test_the_digest_is_of_what_is_run() -> None:
     """Equal studies have one digest, and each thing that changes a run or a column another."""
-    given: dict[str, Any] = {"policies": ["full"], "budget_ms": [8, 16], "frames": 60}
+    given: dict[str, Any] = {"policies": ["full"], "budget_ms": [8, 16], "seconds": (0.0, 5.0)}
     same = Study(**given).run_list().digest
     assert Study(**given, name="other").run_list().digest == same
     changed: list[dict[str, Any]] = [
-        {"budget_ms": [8, 17]}, {"frames": 61}, {"warmup": 29}, {"policies": ["zach"]},
+        {"budget_ms": [8, 17]}, {"seconds": (0.0, 5.5)}, {"warmup_s": 0.9}, {"policies": ["zach"]},
         {"traces": "walk"}, {"scenes": {"mine": "plaza"}}, {"exclude": [{"budget_ms": 8}]},
-        {"seeds": [1]}, {"refresh_hz": 60},
+        {"seeds": [1]}, {"refresh_hz": 60}, {"visible_px": 2.0},
     ]  # fmt: skip
     digests = {Study(**(given | change)).run_list().digest for change in changed}
     assert len(digests | {same}) == len(changed) + 1
@@ -178,5 +178,14 @@ def test_mistakes_are_told_before_anything_is_loaded(given: dict[str, Any], said
 
 def test_a_path_that_is_all_warm_up_is_refused() -> None:
     """As `compare` refuses it, before a worker would."""
-    with pytest.raises(InputError, match="frames: expected more than the 30 of warm-up, got 20"):
-        Study("full", frames=[60, 20]).inputs  # noqa: B018
+    with pytest.raises(InputError, match="warmup: expected seconds >= 0 and less than the path's"):
+        Study("full", seconds=(4.0, 5.0), warmup_s=1.0).inputs  # noqa: B018
+
+
+def test_every_path_is_cut_to_the_same_seconds() -> None:
+    """A study over a stretch replays nothing else, and keeps the names of its axis."""
+    study = Study("full", traces=["tour", "walk"], seconds=(4.0, 6.5))
+    assert cells_of(study, "trace") == [("tour",), ("walk",)]
+    paths = [study.inputs[run.trace] for run in study.runs()]
+    assert [path.duration_s for path in paths] == [2.5, 2.5]
+    assert [path.name for path in paths] == ["tour 4:6.5 s", "walk-0 4:6.5 s"]

@@ -79,7 +79,7 @@ def make_hardware_once() -> Callable[[float], HardwareProfile]:
             CpuCostModel.of(0.0, {}),
             Residual("gaussian", 0.02),
             posterior=Posterior(np.full(8, factor), draws, np.full(8, 0.02)),
-            display=Display(width_px=640, height_px=360),
+            display=Display("immediate", width_px=640, height_px=360),
             frames_in_flight=1,
         )
 

@@ -49,6 +49,22 @@ def test_a_coarse_level_of_one_object(run: Run, scripted: MakePolicy) -> None:
     assert {name: float(log[name][0]) for name in expected} == pytest.approx(expected)
 
 
+def test_visible_error_is_weighed_by_area(run: Run, scripted: MakePolicy) -> None:
+    """At 10 m 0.2 m of error are 1.11 px, at 20 m 0.1 m are 0.26 px: above 1 px the near one alone.
+
+    Of both areas together the near one has 399 / (399 + 99).
+    """
+    places = [(0.0, 0.0, -10.0), (0.0, 0.0, -20.0)]
+    log = run(scripted([[2, 1]]), positions=places)
+    near = 399.0 / (399.0 + 99.0)
+    assert log["visible_error_area_px"][0] == pytest.approx(near * (0.2 * UNIT_PX - 1.0))
+    log = run(scripted([[2, 1]]), positions=places, options={"visible_px": 0.1})
+    far_px = 0.1 * 50.0 / 19.0
+    expected = near * (0.2 * UNIT_PX - 0.1) + (1.0 - near) * (far_px - 0.1)
+    assert log["visible_error_area_px"][0] == pytest.approx(expected)
+    assert not run(scripted([1]), options={"visible_px": 0.56})["visible_error_area_px"].any()
+
+
 def test_scale_and_importance_count(run: Run, scripted: MakePolicy) -> None:
     """At twice the size and 20 m the area is the same; error and weights double."""
     log = run(scripted([1]), positions=[(0.0, 0.0, -20.0)], scale=2.0, importance=3.0)

@@ -67,6 +67,9 @@ def test_books_balance_in_every_frame(walked: Walk, cls: Callable[[], Policy]) -
     assert (log["degradation"] >= log["full_degradation"] * (1 - 1e-12)).all()
     assert (log["model_gpu_ms"] <= log["full_gpu_ms"] * (1 + 1e-12)).all()
     assert (log["sse_px_p95"] <= log["sse_px_max"]).all()
+    beyond_px = np.maximum(log["sse_px_max"] - log.header.visible_px, 0.0)
+    assert (log["visible_error_area_px"] <= beyond_px * (1 + 1e-12)).all()
+    assert (log["visible_pops"] <= log["toggles"]).all()
     assert (log["select_ms"] <= log["cpu_ms"]).all()
     cpu_ns, gpu_ns = log["cpu_end_ns"] - log["input_ns"], log["gpu_end_ns"] - log["gpu_start_ns"]
     assert np.abs(cpu_ns - log["cpu_ms"] * 1e6).max() <= 0.5
@@ -81,7 +84,7 @@ def test_full_detail_is_full_in_every_respect(walked: Walk) -> None:
     assert (log["benefit"] == log["full_benefit"]).all()
     assert (log["degradation"] == log["full_degradation"]).all()
     assert (log["model_gpu_ms"] == log["full_gpu_ms"]).all()
-    for name in ("sse_px_p95", "sse_px_max", "toggles", "reversals", "popping_px", "missing"):
+    for name in ("sse_px_p95", "sse_px_max", "toggles", "visible_pops", "missing"):
         assert not log[name].any()
 
 

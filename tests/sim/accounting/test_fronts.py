@@ -66,6 +66,15 @@ def test_popping_sums_over_the_finer_nodes(run: Run, tree: Scene) -> None:
     assert log["sse_px_max"] == pytest.approx([0.4 * px_per_m, 0.1 * px_per_m])
 
 
+def test_a_node_that_gives_way_is_one_visible_pop(run: Run, tree: Scene) -> None:
+    """0.3 m of error less are 1.67 px, 0.1 m 0.56 px: from 1 px on only the first is seen."""
+    log = run(Fronts([0], [1, 2], [3, 4, 5, 6], [0]), 4, scene=tree)
+    assert log["toggles"].tolist() == [0, 1, 2, 1]
+    assert log["visible_pops"].tolist() == [0, 1, 0, 1]
+    log = run(Fronts([0], [1, 2], [3, 4, 5, 6]), 3, scene=tree, options={"visible_px": 0.5})
+    assert log["visible_pops"].tolist() == [0, 1, 2]
+
+
 def test_quality_is_scored_over_the_leaves(run: Run, tree: Scene) -> None:
     """Leaves under the root share its 10 triangles: 2.5 each; mixed fronts mix; none is missing."""
     log = run(Fronts([0], [1, 5, 6], [3, 4], [3, 4, 5, 6]), 4, scene=tree)

@@ -38,6 +38,30 @@ def test_popping_towards_fine_and_coarse_adds_up(run: Run, scripted: MakePolicy)
     assert log["popping_px"] == pytest.approx([0.0, 2.0 * pop])
 
 
+@pytest.mark.parametrize(("visible_px", "seen"), [(0.0, 1), (0.55, 1), (0.56, 0)])
+def test_a_switch_is_seen_from_the_visible_change_on(
+    run: Run, scripted: MakePolicy, visible_px: float, seen: int
+) -> None:
+    """A step of 0.1 m is 0.556 px and may be seen; from level 2 to 0 it is twice that, and is."""
+    log = run(scripted([0, 1, 1, 2, 0]), 5, options={"visible_px": visible_px})
+    assert log["visible_pops"].tolist() == [0, seen, 0, seen, 1]
+    assert log["toggles"].tolist() == [0, 1, 0, 1, 1]
+    assert log.header.visible_px == visible_px
+
+
+def test_a_change_between_knots_is_seen_but_no_switch(
+    run: Run, scripted: MakePolicy, make_levels: MakeLevels
+) -> None:
+    """A continuous node from 999 to 251 triangles passes no knot, and changes by nearly 0.1 m."""
+    levels = make_levels([(1000, 250, 50)], continuous=True)
+    script = scripted([0.999, 0.251])
+    log = run(script, 2, levels=levels, options={"visible_px": 0.5})
+    assert log["toggles"].tolist() == [0, 0]
+    assert log["visible_pops"].tolist() == [0, 1]
+    log = run(script, 2, levels=levels, options={"visible_px": 0.6})
+    assert log["visible_pops"].tolist() == [0, 0]
+
+
 def test_a_change_while_not_drawn_is_no_toggle(run: Run, scripted: MakePolicy) -> None:
     """An object that was missing for a frame may return at any level; its absence is counted."""
 

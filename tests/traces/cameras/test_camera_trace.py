@@ -179,3 +179,43 @@ def test_arrays_of_times_that_are_none(time_s: float) -> None:
     """What no clock shows is refused before anything is replayed."""
     with pytest.raises(InputError, match=r"time_s|an hour apart"):
         standing([0.0, time_s])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_stretch_is_the_same_path_on_a_clock_of_its_own(seed: int) -> None:
+    """At every time the camera is where the whole path has it, teleports included."""
+    trace = random_trace(seed, 60)
+    start_s, end_s = 0.23 * trace.duration_s, 0.81 * trace.duration_s
+    part = trace.stretch(start_s, end_s)
+    assert part.duration_s == pytest.approx(end_s - start_s)
+    assert part.name == f"random {start_s:g}:{end_s:g} s"
+    assert part.origin_s == start_s
+    for at_s in np.linspace(0.0, part.duration_s, 400)[1:-1]:
+        whole, cut = trace.pose_at(start_s + at_s), part.pose_at(at_s)
+        assert cut.position_m == pytest.approx(whole.position_m, abs=1e-9)
+        assert cut.orientation_xyzw == pytest.approx(whole.orientation_xyzw, abs=1e-9)
+
+
+def test_a_stretch_by_hand() -> None:
+    """From 1 to 5 s of a way of a metre a second: two poses in between, and both ends."""
+    way = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [4.0, 0.0, 0.0], [9.0, 0.0, 0.0]]
+    trace = make_trace([0.0, 2.0, 4.0, 6.0], way, [[0.0, 0.0, 0.0, 1.0]] * 4, at=3)
+    part = trace.stretch(1.0, 5.0)
+    assert part.time_s.tolist() == [0.0, 1.0, 3.0, 4.0]
+    # The last pose is held until the teleport at 6 s.
+    assert part.position_m[:, 0].tolist() == [1.0, 2.0, 4.0, 4.0]
+    assert not part.cut.any()
+    assert trace.stretch(1.0).cut.tolist() == [False, False, False, True]
+    assert trace.stretch() is trace
+    assert trace.stretch(0.0, 6.0) is trace
+
+
+@pytest.mark.parametrize(
+    ("start_s", "end_s"),
+    [(2.0, 2.0), (3.0, 1.0), (-1.0, 2.0), (0.0, 6.1), (6.0, None), (np.nan, 2.0)],
+)
+def test_an_empty_stretch_is_refused(start_s: float, end_s: float | None) -> None:
+    """What is empty, or not all on the path, is told with the path's length."""
+    trace = make_trace([0.0, 6.0], [[0.0] * 3] * 2, [[0.0, 0.0, 0.0, 1.0]] * 2)
+    with pytest.raises(InputError, match=r"seconds: expected a stretch of t within 0:6, got"):
+        trace.stretch(start_s, end_s)

@@ -37,7 +37,7 @@ from ..orientation import look_along
 from ..samples import MAX_COORDINATE_M
 from .load_map import half_square
 from .motion_paths import Limits, Timeline, travel_closed_curve
-from .trial import trial_path
+from .trial import LENGTH_S, trial_path
 
 MAX_DURATION_S = 6.0 * 3600.0
 # The pace of the walk: a step's bob, and how far and how slowly the head looks aside.
@@ -64,17 +64,18 @@ class _Path:
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """Bounds and height of a kind of movement, and the function that makes its path."""
+    """Bounds, height and length of a kind of movement, and the function that makes its path."""
 
     limits: Limits
     height_m: float
     path: Callable[[Generator, FloatArray, float, "Movement"], _Path]
+    length_s: float = 60.0
 
 
 def generate(
     kind: str,
     *,
-    duration_s: float = 60.0,
+    duration_s: float | None = None,
     rate_hz: float = 60.0,
     speed_m_s: float | None = None,
     extent_m: float = 100.0,
@@ -85,11 +86,12 @@ def generate(
     """Trace of a kind in `KINDS`, over a square of side ``extent_m`` about ``center_m``.
 
     Samples lie ``1 / rate_hz`` apart and the last at exactly ``duration_s``. The same arguments
-    give the same trace. ``speed_m_s`` and ``height_m`` replace those of the kind.
+    give the same trace. What is None is the kind's own.
 
     Raises `InputError` if the kind is not known or a number is out of its range.
     """
     chosen = _kind(kind, speed_m_s, height_m)
+    duration_s = chosen.length_s if duration_s is None else duration_s
     _check_range("a duration", duration_s, MAX_DURATION_S, "s")
     _check_range("a rate", rate_hz, 1e4, "Hz")
     _check_range("an extent", extent_m, 1e6, "m")
@@ -228,5 +230,5 @@ KINDS: dict[str, Movement] = {
     "dash": Movement(Limits(7.0, 6.0, 180.0), 1.65, partial(_shuttle, hold_s=4.0)),
     "teleport": Movement(Limits(0.0, 1.0, 30.0), 1.65, _teleport),
     "sudden-turn": Movement(Limits(5.0, 3.0, 360.0), 1.65, _shuttle),
-    "trial": Movement(Limits(7.0, 12.0, 360.0), 1.65, _trial),
+    "trial": Movement(Limits(7.0, 12.0, 360.0), 1.65, _trial, LENGTH_S),
 }

@@ -1,6 +1,7 @@
 """Where a scene's load is, seen from above: what a path needs to know to meet little and much."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -57,7 +58,8 @@ class LoadMap:
         # Seen from inside a thing, it has no direction.
         far = np.hypot(x, y) > 1e-6
         step = np.rint(np.arctan2(y[far], x[far]) * HEADINGS / (2.0 * np.pi)).astype(np.intp)
-        by_step = np.bincount(step % HEADINGS, self.load[far], HEADINGS)
+        # numpy's stubs say that bincount returns integers with weights too.
+        by_step: Any = np.bincount(step % HEADINGS, self.load[far], HEADINGS)
         return _window(by_step, _HALF_VIEW), _window(by_step, _HALF_SURE)
 
     def draw_eye(self, rng: np.random.Generator) -> FloatArray:
@@ -66,7 +68,7 @@ class LoadMap:
             return rng.uniform(self.low_m, self.high_m)
         length = np.linalg.norm(np.diff(self.way_m, axis=0), axis=1)
         along = np.append(0.0, np.cumsum(length))
-        at = rng.uniform(0.0, along[-1])
+        at = rng.uniform(0.0, float(along[-1]))
         return np.array([np.interp(at, along, self.way_m[:, i]) for i in range(2)])
 
     def lanes(self, eye_m: FloatArray, heading_rad: float) -> list[tuple[FloatArray, float]]:
@@ -113,7 +115,7 @@ def _by_cell(place_m: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatAr
     """Return the middles of the cells that hold load, and their loads."""
     low, size = place_m.min(axis=0), np.maximum(np.ptp(place_m, axis=0), 1e-9)
     cell = np.minimum((place_m - low) / size * _CELLS, _CELLS - 1).astype(np.intp)
-    total = np.bincount(cell[:, 0] * _CELLS + cell[:, 1], load, _CELLS**2)
+    total: Any = np.bincount(cell[:, 0] * _CELLS + cell[:, 1], load, _CELLS**2)
     held = np.flatnonzero(total)
     middle = np.stack(np.divmod(held, _CELLS), axis=1) + 0.5
     return low + middle / _CELLS * size, total[held]

@@ -211,7 +211,7 @@ def _edge(total: FloatArray, start: int, turn: int) -> int:
 
 
 def _stand(camera: _Camera, _: _Part) -> _Motion:
-    return _moved(camera, np.zeros(2), 0.0, lambda t: np.zeros(len(t)))
+    return _moved(camera, np.zeros(2), 0.0, np.zeros_like)
 
 
 def _ramp(camera: _Camera, part: _Part) -> _Motion:
@@ -230,7 +230,7 @@ def _turned(camera: _Camera, part: _Part, time_s: float) -> _Motion:
     angle = float(camera.views.heading_rad[int(camera.much)]) - camera.heading_rad
     most = np.radians(part.limits.turn_deg_s) * time_s * 2.0 / np.pi
     turn = float(np.clip(angle, -most, most))
-    return _moved(camera, np.zeros(2), turn, lambda t: _ease(time_s, np.minimum(t, time_s)))
+    return _moved(camera, np.zeros(2), turn, partial(_ease_once, time_s))
 
 
 def _to_and_fro(camera: _Camera, part: _Part) -> _Motion:
@@ -256,14 +256,14 @@ def _dash(camera: _Camera, part: _Part) -> _Motion:
 
 def _sees(camera: _Camera, load: LoadMap, go_m: FloatArray) -> bool:
     """Return whether something is in view on the way, and in both views and between at its end."""
-    low, high = np.sort(np.rint(camera.views.heading_rad * HEADINGS / (2.0 * np.pi)).astype(int))
-    arc = np.arange(low, high + 1) % HEADINGS
+    steps = np.rint(camera.views.heading_rad * HEADINGS / (2.0 * np.pi)).astype(np.intp)
+    arc = np.arange(int(steps.min()), int(steps.max()) + 1) % HEADINGS
     eyes = (camera.eye_m + share * go_m for share in (0.25, 0.5, 0.75, 1.0))
     return all((load.around(eye)[1][arc] > 0.0).all() for eye in eyes)
 
 
 def _moved(
-    camera: _Camera, go_m: FloatArray, turn_rad: float, share: Callable[..., FloatArray]
+    camera: _Camera, go_m: FloatArray, turn_rad: float, share: Callable[[FloatArray], FloatArray]
 ) -> _Motion:
     """Go and turn, by shares of both over time."""
     eye_m, heading_rad = camera.eye_m, camera.heading_rad
@@ -278,6 +278,11 @@ def _moved(
 def _ease(half_period_s: float, time_s: FloatArray) -> FloatArray:
     """Return shares from 0 to 1 and, later, back: half a cosine, its steepest pi / 2 of even."""
     return 0.5 - 0.5 * np.cos(np.pi * time_s / half_period_s)
+
+
+def _ease_once(length_s: float, time_s: FloatArray) -> FloatArray:
+    """Return shares from 0 to 1, and 1 from then on."""
+    return _ease(length_s, np.minimum(time_s, length_s))
 
 
 _MOVES: dict[str, Callable[[_Camera, _Part], _Motion]] = {

@@ -31,7 +31,7 @@ def build_runs(
             "b2",
             "c3",
             ReplayOptions(budget_ms=8.0, seed=seed),
-            warmup=2,
+            warmup_s=2.0,
             keeps_log=keeps_log,
         )
         for label in policies
@@ -44,9 +44,8 @@ def build_scored(seed: int, **more: Any) -> Scored:
     """Make up scores: each metric a number of its own, some without any."""
     rng = np.random.default_rng(seed)
     values = {name: None if rng.random() < 0.2 else float(rng.normal()) for name in IDS}
-    resampled = {name: rng.normal(size=3) for name in IDS[:4]}
     steps = (Step(seed, 1.5, 2.0, 3.0, 0.1, bool(seed % 2), 1.25),) * (seed % 3)
-    return replace(Scored(None, values, resampled, steps, 30 + seed), **more)
+    return replace(Scored(None, values, steps, 30 + seed), **more)
 
 
 def build_outcome(at: int, **more: Any) -> Outcome:

@@ -134,9 +134,7 @@ def compare(folder: Path) -> None:
         traces=trace,
         hardware=hardware,
         budget_ms=8.0,
-        frames=60,
         draws=2,
-        resamples=10,
         workers=2,
         out=folder / "run",
         progress=say_progress,
@@ -155,7 +153,7 @@ def sweep(folder: Path) -> None:
         budget_ms=(6.0, 8.0),
         seeds=6,
         draws=0,
-        warmup=10,
+        warmup_s=0.1,
     )
     study.run(out=folder / "run", workers=2, progress=say_progress)
 

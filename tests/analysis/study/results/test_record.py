@@ -40,12 +40,11 @@ def content(result: Scored | Failure) -> Any:
     if isinstance(result, Failure):
         return result
     values = {name: bits(value) for name, value in result.values.items()}
-    resampled = {name: (a.dtype, a.tobytes()) for name, a in result.resampled.items()}
     steps = [
         [bits(item) if isinstance(item, float) else item for item in vars_of(step)]
         for step in result.steps
     ]
-    return values, resampled, steps, result.frames
+    return values, steps, result.frames
 
 
 def vars_of(step: Step) -> list[Any]:
@@ -58,9 +57,8 @@ def odd_scores(make_scored: Callable[..., Scored]) -> Scored:
     ids = [metric.id for metric in METRICS]
     numbers = [*ODD, nan(1), nan(2), None]
     values = {name: numbers[i % len(numbers)] for i, name in enumerate(ids)}
-    resampled = {ids[0]: np.array([nan(3), -0.0, *ODD]), ids[5]: np.arange(2.0 + len(ODD))}
     steps = (Step(0, -0.0, math.inf, 5e-324, 0.1, settled=False, overshoot_ratio=nan(4)),)
-    return make_scored(1, values=values, resampled=resampled, steps=steps)
+    return make_scored(1, values=values, steps=steps)
 
 
 def test_what_is_read_is_what_was_written_bit_for_bit(
@@ -73,7 +71,7 @@ def test_what_is_read_is_what_was_written_bit_for_bit(
         Failure("failed", "a\nline – ü", 0),
         Failure("failed", "before the first frame", None),
         Failure("not-applicable", "needs a tree"),
-        make_scored(3, resampled={}, steps=()),
+        make_scored(3, steps=()),
     ]
     runs = make_runs(len(results))
     entries = [Entry(at, result) for at, result in enumerate(results)]
@@ -104,7 +102,7 @@ def test_rows_say_what_was_run(make_runs: MakeRuns, make_scored: Callable[..., S
         "draw": None,
     }
     options = json.loads(row["options"])
-    assert (options["seed"], options["warmup"], options["faults"]["missing"]) == (1, 2, 0.0)
+    assert (options["seed"], options["warmup_s"], options["faults"]["missing"]) == (1, 2.0, 0.0)
     assert options["faults"]["saturated_ms"] == "inf"  # JSON has no number for it
     assert (row["status"], row["reason"], row["frame"], row["frames"]) == ("ok", None, None, 34)
 

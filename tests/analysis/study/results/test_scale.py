@@ -18,7 +18,7 @@ MakeRuns = Callable[..., RunList]
 
 def fill(folder: Path, runs: RunList, make_outcome: Callable[..., Outcome]) -> None:
     """Carry out half of a study."""
-    outcomes = [make_outcome(at, resampled={}) for at in range(50)]
+    outcomes = [make_outcome(at) for at in range(50)]
     with ResultStore.open(folder, runs) as store:
         for at in range(0, len(runs), 2):
             store.add(at, outcomes[at % 50])

@@ -255,7 +255,7 @@ def test_any_bit_of_the_manifest_matters(undisturbed: Path) -> None:
 def test_results_of_a_later_version_are_not_lost(make_runs: MakeRuns, undisturbed: Path) -> None:
     """What is whole but of another version is refused, not taken for damaged."""
     path = undisturbed / "manifest.json"
-    path.write_bytes(path.read_bytes().replace(b"lodbench.study/1", b"lodbench.study/2"))
+    path.write_bytes(path.read_bytes().replace(b"lodbench.study/2", b"lodbench.study/1"))
     before = files(undisturbed)
     with pytest.raises(InputError, match="study/2"):
         ResultStore.open(undisturbed, make_runs(40))

@@ -30,7 +30,7 @@ def make_up(tmp_path: Path) -> MakeUp:
             found = outcome_of(dict(case.cells))
             if not isinstance(found, Failure):
                 values = dict.fromkeys((metric.id for metric in METRICS), None) | dict(found)
-                found = Scored(None, values, {}, (), 60)
+                found = Scored(None, values, (), 60)
             entries.append(Entry(at, found))
         rows = encode(runs, entries)
         half = len(entries) // 2

@@ -12,8 +12,6 @@ from lodbench.analysis.study.score import Scored
 from lodbench.analysis.study.study import Study
 from lodbench.analysis.study.sweep.estimate import FRAMES, estimate
 
-WARMUP = 30
-
 
 class Timed:
     """An engine in which a replay of n frames takes n milliseconds, and hoppe fails in 0.5 s."""
@@ -38,45 +36,42 @@ class Timed:
                 yield Outcome(index, None, Failure("failed", "no"), took_s=cold_s + 0.5)
                 continue
             frames = task.options.frames
-            scored = Scored(self._log, {metric.id: 1.0 for metric in METRICS}, {}, (), frames)
+            scored = Scored(self._log, {metric.id: 1.0 for metric in METRICS}, (), frames)
             yield Outcome(index, scored, None, took_s=cold_s + 1e-3 * frames)
 
 
 @pytest.fixture(scope="module")
 def log() -> lodbench.FrameLog:
     """Return the log of a replay of as many frames as a sample has."""
-    given: dict[str, Any] = {"budget_ms": 16.0, "frames": WARMUP + FRAMES}
+    given: dict[str, Any] = {"budget_ms": 16.0, "frames": FRAMES}
     return lodbench.replay("full", "plaza", "walk", "desktop-assumed", **given)
 
 
 def test_a_path_is_as_long_as_its_sample_says(log: lodbench.FrameLog) -> None:
-    """By hand: the sample's 0.33 s, times the path over what it covers of it, times runs."""
+    """By hand: the sample's 0.3 s, times the path over what it covers of it, times runs."""
     study = Study(["full", "hoppe"], traces="walk", seeds=10)
     engine = Timed(log)
     found = estimate(study, engine)
     path_s = study.inputs[next(study.runs()).trace].duration_s
     covered_s = 1e-9 * float(log["input_ns"][-1])
     assert covered_s < path_s
-    whole_s = 1e-3 * (WARMUP + FRAMES) * path_s / covered_s
+    whole_s = 1e-3 * FRAMES * path_s / covered_s
     assert found.run_s == pytest.approx(10 * whole_s + 10 * 0.5)
     assert (found.runs, found.sampled, found.kinds) == (20, 2, 2)
-    assert {task.options.frames for task in engine.asked} == {WARMUP + FRAMES}
+    # So few frames may not outlast a warm-up.
+    assert {(task.options.frames, task.warmup_s) for task in engine.asked} == {(FRAMES, 0.0)}
 
 
-def test_runs_of_so_many_frames_are_in_proportion(log: lodbench.FrameLog) -> None:
-    """A run of twice the sample's frames takes twice as long, one of fewer is sampled as it is."""
-    twice = Study("full", traces="walk", seeds=3, frames=2 * (WARMUP + FRAMES))
-    assert estimate(twice, Timed(log)).run_s == pytest.approx(3 * 2e-3 * (WARMUP + FRAMES))
-    short = Study("full", traces="walk", seeds=3, frames=50)
-    engine = Timed(log)
-    assert estimate(short, engine).run_s == pytest.approx(3 * 0.05)
-    assert {task.options.frames for task in engine.asked} == {50}
+def test_a_path_shorter_than_the_sample_is_sampled_as_it_is(log: lodbench.FrameLog) -> None:
+    """Of a path that ends before so many frames the whole was timed: it takes no longer."""
+    study = Study("full", traces="walk", seconds=(0.0, 1.0), warmup_s=0.1, seeds=3)
+    assert estimate(study, Timed(log)).run_s == pytest.approx(3 * 1e-3 * FRAMES)
 
 
 def test_disk_grows_with_the_runs(log: lodbench.FrameLog) -> None:
     """Ten times the runs need more, and no more than ten times as much."""
     few, many = (
-        estimate(Study("full", traces="walk", seeds=seeds, frames=50), Timed(log)).disk_bytes
+        estimate(Study("full", traces="walk", seeds=seeds), Timed(log)).disk_bytes
         for seeds in (100, 1000)
     )
     assert few < many <= 10 * few

@@ -39,9 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for number in range(PARTS_OF):
         values = rng.random((len(runs), len(METRICS)))
         entries = [
-            Entry(
-                at, Scored(None, dict(zip((m.id for m in METRICS), row, strict=True)), {}, (), 60)
-            )
+            Entry(at, Scored(None, dict(zip((m.id for m in METRICS), row, strict=True)), (), 60))
             for at, row in enumerate(values.tolist())
         ]
         rows = encode(runs, entries)

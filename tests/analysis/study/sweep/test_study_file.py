@@ -15,7 +15,7 @@ traces = ["tour", "paths/*.csv"]
 budget_ms = { from = 8, to = 16, step = 4 }
 memory_bytes = ["none", 1e8]
 seeds = 2
-frames = 60
+seconds = "0:5"
 
 [policies]
 zach = {}
@@ -83,7 +83,6 @@ def test_a_file_is_the_study_that_it_says(folder: Path, monkeypatch: pytest.Monk
         "trace": ("tour", "paths/a.csv", "paths/b.csv"),
         "hardware": ("desktop-assumed",),
         "budget_ms": (8, 12, 16),
-        "frame_limit": (60,),
         "memory_bytes": (None, 1e8),
         "draw": (None,),
         "seed": (0, 1),
@@ -99,7 +98,9 @@ def test_a_file_is_the_study_that_it_says(folder: Path, monkeypatch: pytest.Monk
 def test_a_file_and_python_make_the_same_runs(folder: Path) -> None:
     """The same axes in Python have the same digests, so that either goes on where the other was."""
     text = 'policies = ["full", "feedback:target=0.8"]\nbudget_ms = [8, 16]\ndisplay = "vsync"\n'
-    of_file = read_study(write(folder, text + 'faults = ["none", "missing=0.1"]\nframes = 60\n'))
+    of_file = read_study(
+        write(folder, text + 'faults = ["none", "missing=0.1"]\nseconds = ":3"\nwarmup_s = 0.5\n')
+    )
     from lodbench.sim.faults import Faults
 
     made = Study(
@@ -107,7 +108,8 @@ def test_a_file_and_python_make_the_same_runs(folder: Path) -> None:
         budget_ms=[8, 16],
         display="vsync",
         faults=[Faults(), Faults(missing=0.1)],
-        frames=60,
+        seconds=(0.0, 3.0),
+        warmup_s=0.5,
     )
     assert of_file.run_list().digest == made.run_list().digest
 
@@ -122,7 +124,9 @@ MISTAKES = {
     "{ from = 8, to = 16, step = 4 }": ('["8"]', 3, "budget_ms: expected a number, got '8'"),
     "1e8": ("-1e8", 4, "memory: expected bytes > 0"),
     "seeds = 2": ("seeds = 0", 5, "seed: expected one value or more"),
-    "frames = 60": ("frames = 20", 6, "frames: expected more than the 30 of warm-up, got 20"),
+    'seconds = "0:5"': ('seconds = "5:0"', 6, "seconds: expected a stretch of tour within 0:"),
+    '"0:5"': ('"now"', 6, "seconds: expected A:B, A: or :B in seconds of the path, got 'now'"),
+    "seconds =": ("warmup_s = 5\nseconds =", 6, "warmup: expected seconds >= 0 and less than"),
     "zach = {}": ("zack = {}", 9, "did you mean zach"),
     "radius_m =": ("radius =", 10, "did you mean radius_m"),
     "[10.0, 20.0]": ('["wide"]', 10, "radius_m"),

@@ -1,0 +1,247 @@
+"""What changed from one comparison to another beyond noise, and which cost went with it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from scipy.special import stdtr, stdtrit
+
+from ...base.arrays import FloatArray
+from ...base.errors import InputError
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ...sim.frame_log import CONSTANT, FrameLog
+from ..metrics.metric import Better
+from ..metrics.metric_registry import find_metric
+from ..study.comparison import PolicyResult, knob_text
+from .paired import holm
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from ..study.comparison_folder import Compared
+
+WATCHED = (
+    *("work_ms_p99", "work_ms_mean", "over_budget_time_fraction"),
+    *("visible_error_px", "visible_pops_per_s", "lag_ms_mean"),
+)
+"""Metrics whose change is told."""
+
+_ALPHA = 0.05
+"""Chance that any change of all is told although there is none."""
+
+_PREDICTORS = tuple(
+    name for name in dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)) if name not in CONSTANT
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A metric of a policy in both comparisons.
+
+    Attributes
+    ----------
+    before, after : float
+        Means over the paths.
+    low, high : float
+        90 % interval of after − before, over such paths.
+    beyond_noise : bool
+        Whether the change is shown, all changes of the comparison together considered (Holm).
+    """
+
+    policy: str
+    metric: str
+    unit: str
+    better: Better
+    before: float
+    after: float
+    low: float
+    high: float
+    beyond_noise: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyChange:
+    """What of a policy's place changed.
+
+    Attributes
+    ----------
+    rank_before, rank_after : int or None
+        None where it does not keep the budget.
+    knob_before, knob_after : str
+    term : str
+        The predictor whose mean on the first path changed by the largest factor; empty if none did.
+    term_ratio : float
+        After over before.
+    """
+
+    policy: str
+    rank_before: int | None
+    rank_after: int | None
+    knob_before: str
+    knob_after: str
+    term: str
+    term_ratio: float
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """The changes from one comparison to another.
+
+    Attributes
+    ----------
+    paired : bool
+        Whether both have the same paths, which are then compared one by one.
+    only_before, only_after : tuple of str
+        Labels of policies that were scored in one alone.
+    """
+
+    paired: bool
+    policies: tuple[PolicyChange, ...]
+    metrics: tuple[Change, ...]
+    only_before: tuple[str, ...]
+    only_after: tuple[str, ...]
+    schema: Literal["lodbench.changes/1"] = "lodbench.changes/1"
+
+
+def find_changes(before: "Compared", after: "Compared") -> Changes:
+    """Return what changed from one comparison to another.
+
+    Raises `InputError` if one lacks its runs, or no policy was scored in both.
+    """
+    then, now = _by_label(before), _by_label(after)
+    both = [label for label in then if label in now]
+    if not both:
+        raise InputError("compare: expected a policy that both folders scored, got none in common")
+    values_then, values_now = _values(before), _values(after)
+    paired = all(values_then[label].keys() == values_now[label].keys() for label in both)
+    found = [
+        (label, metric, *_test(values_then[label], values_now[label], metric, paired=paired))
+        for label in both
+        for metric in WATCHED
+    ]
+    shown = holm([row[-1] for row in found], _ALPHA)
+    metrics = tuple(
+        _change(label, metric, *numbers, beyond_noise=bool(beyond))
+        for (label, metric, *numbers, _), beyond in zip(found, shown, strict=True)
+        if not np.isnan(numbers[0])
+    )
+    return Changes(
+        paired=paired,
+        policies=tuple(
+            _policy_change(then[label], now[label], before.logs[label], after.logs[label])
+            for label in both
+        ),
+        metrics=metrics,
+        only_before=tuple(label for label in then if label not in now),
+        only_after=tuple(label for label in now if label not in then),
+    )
+
+
+def _by_label(compared: "Compared") -> dict[str, PolicyResult]:
+    return {policy.label: policy for policy in compared.comparison.ok}
+
+
+def _values(compared: "Compared") -> dict[str, dict[str, dict[str, float]]]:
+    """Return by label and path the mean over seeds of each metric, of the runs that judge."""
+    if compared.runs is None:
+        raise InputError("compare: expected a folder with runs.parquet, got one without; run again")
+    table: pa.Table = compared.runs
+    rows = table.select(["policy", "trace_hash", "judged", "draw", *WATCHED]).to_pylist()
+    found: dict[str, dict[str, list[dict[str, Any]]]] = {}
+    for row in rows:
+        if row["judged"] and row["draw"] is None:
+            found.setdefault(row["policy"], {}).setdefault(row["trace_hash"], []).append(row)
+    return {
+        label: {path: _means(runs) for path, runs in paths.items()}
+        for label, paths in found.items()
+    }
+
+
+def _means(runs: list[dict[str, Any]]) -> dict[str, float]:
+    values = np.array([[run[name] for name in WATCHED] for run in runs], dtype=np.float64)
+    return dict(zip(WATCHED, values.mean(axis=0).tolist(), strict=True))
+
+
+def _test(
+    then: Mapping[str, Mapping[str, float]],
+    now: Mapping[str, Mapping[str, float]],
+    metric: str,
+    *,
+    paired: bool,
+) -> tuple[float, float, float, float, float]:
+    """Return both means, the ends of the interval of their difference, and its two-sided p."""
+    before = np.array([row[metric] for row in then.values()])
+    after = np.array([now[path][metric] for path in (then if paired else now)])
+    means = float(before.mean()), float(after.mean())
+    samples = [after - before] if paired else [after, before]
+    if min(map(len, samples)) < 2 or not np.isfinite(means).all():
+        return (*means, np.nan, np.nan, np.nan)
+    change = means[1] - means[0]
+    error, degrees = _error(samples)
+    if error == 0.0:  # the same on every path, whatever it is
+        return (*means, change, change, 1.0 if change == 0.0 else 0.0)
+    reach = float(stdtrit(degrees, 0.95)) * error
+    return (
+        *means,
+        change - reach,
+        change + reach,
+        2.0 * float(stdtr(degrees, -abs(change) / error)),
+    )
+
+
+def _error(samples: list[FloatArray]) -> tuple[float, float]:
+    """Return the standard error of a sum or difference of means, and its degrees of freedom.
+
+    Source: Welch, Biometrika 34 (1947).
+    """
+    # Spread within rounding of the values is none.
+    spread = [np.ptp(of) > 1e-12 * np.abs(of).max() for of in samples]
+    errors = [
+        float(of.var(ddof=1)) / len(of) if wide else 0.0
+        for of, wide in zip(samples, spread, strict=True)
+    ]
+    total = sum(errors)
+    if total == 0.0:
+        return 0.0, 1.0
+    below = sum(error**2 / (len(of) - 1) for error, of in zip(errors, samples, strict=True))
+    return total**0.5, total**2 / below
+
+
+def _change(
+    label: str,
+    metric: str,
+    before: float,
+    after: float,
+    low: float,
+    high: float,
+    *,
+    beyond_noise: bool,
+) -> Change:
+    of = find_metric(metric)
+    return Change(label, metric, of.unit, of.better, before, after, low, high, beyond_noise)
+
+
+def _policy_change(
+    then: PolicyResult, now: PolicyResult, log_then: FrameLog, log_now: FrameLog
+) -> PolicyChange:
+    ratios = {name: _ratio(log_then[name], log_now[name]) for name in _PREDICTORS}
+    term = max(ratios, key=lambda name: abs(np.log(ratios[name])))
+    known = ratios[term] != 1.0
+    return PolicyChange(
+        policy=now.label,
+        rank_before=then.rank,
+        rank_after=now.rank,
+        knob_before=knob_text(then),
+        knob_after=knob_text(now),
+        term=term if known else "",
+        term_ratio=ratios[term],
+    )
+
+
+def _ratio(then: FloatArray, now: FloatArray) -> float:
+    """Return the ratio of two means, 1 where one is 0 or not known."""
+    means = float(then.mean()), float(now.mean())
+    if not all(np.isfinite(mean) and mean > 0.0 for mean in means):
+        return 1.0
+    return means[1] / means[0]
