@@ -207,7 +207,7 @@ def check(
     budget_ms: float | None = None,
     seed: int = 0,
     seeds: int = 4,
-    seconds: str = "",
+    seconds: Seconds = WHOLE,
     warmup_s: float = 1.0,
     visible_px: float = 1.0,
     fovy_deg: float = 60.0,
@@ -236,7 +236,7 @@ def check(
     seeds
         Replays of each policy on each path.
     seconds
-        Stretch of each path that is replayed, as ``A:B``; empty for all of it.
+        The stretch of each path that is replayed, (start, end).
     budget_ms, warmup_s, visible_px, workers, scheduler, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict

@@ -62,7 +62,7 @@ def check(
     scene: Scenes = None,
     trace: options.Traces = None,
     paths: Paths = 4,
-    seconds: options.Seconds = "",
+    seconds: options.Seconds = "0:",
     warmup: options.Warmup = 1.0,
     hardware: options.Hardware = "desktop-assumed",
     baseline: Baseline = Path("baseline.json"),
@@ -96,7 +96,7 @@ def check(
     from ..analysis.gate.measurements import MeasureOptions
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import adjust_machine
+    from ..analysis.study.inputs import adjust_machine, parse_seconds
     from ..base.files.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
     from ..sim.faults import parse_faults
@@ -119,7 +119,7 @@ def check(
             hardware=adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight),
             budget_ms=budget_ms,
             seed=seed,
-            seconds=seconds,
+            seconds=parse_seconds(seconds),
             warmup_s=warmup,
             visible_px=visible,
             fovy_deg=fovy_deg,

@@ -8,8 +8,16 @@ from ...base.errors import InputError
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.faults import Faults
 from ...sim.replay import ReplayOptions
-from ..study.inputs import HardwareLike, SceneLike, TraceLike, as_hardware, as_scene
-from ..study.paths import load_paths, path_plan
+from ..study.inputs import (
+    WHOLE,
+    HardwareLike,
+    SceneLike,
+    Seconds,
+    TraceLike,
+    as_hardware,
+    as_scene,
+)
+from ..study.paths import load_paths
 from ..study.runs import Progress
 from ..verdict.warnings import find_warnings
 from .baseline import read_baseline
@@ -30,8 +38,8 @@ class CheckPlan:
         Paths of a kind of movement, each by a seed of its own.
     budget_ms : float or None
         None for one refresh of the display.
-    seconds : str
-        Stretch of each path that is replayed, as ``A:B``; empty for all of it.
+    seconds : (start, end)
+        Stretch of each path that is replayed; an end of None is the path's.
     warmup_s : float
         Seconds at the start of it that do not count.
     place : str
@@ -45,7 +53,7 @@ class CheckPlan:
     hardware: HardwareLike = "desktop-assumed"
     budget_ms: float | None = None
     seed: int = 0
-    seconds: str = ""
+    seconds: Seconds = WHOLE
     warmup_s: float = 1.0
     visible_px: float = 1.0
     fovy_deg: float = 60.0
@@ -88,7 +96,7 @@ def measure_plan(
             plan.traces,
             scene,
             plan.place,
-            plan=path_plan(plan.paths, quick=False),
+            paths=plan.paths,
             seconds=plan.seconds,
             seed=plan.seed,
         )

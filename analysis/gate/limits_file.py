@@ -102,7 +102,8 @@ class _Reader:
 
     def _several(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:
         """Return the limits of a metric: of one table, or of several for several populations."""
-        tables = cast("list[Any]", entry) if isinstance(entry, list) and entry else [entry]
+        several = isinstance(entry, list) and bool(entry)
+        tables: list[Any] = cast("list[Any]", entry) if several else [entry]
         return tuple(limit for table in tables for limit in self._metric(name, table, where))
 
     def _metric(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:

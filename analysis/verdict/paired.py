@@ -159,7 +159,7 @@ def by_t(beyond: FloatArray, alpha: float = FAIL_ALPHA, level: float = PASS_LEVE
     error = sqrt(float(errors.sum())) / n
     degrees = welch_degrees(errors, each - 1.0)
     return Evidence(
-        p=float(stdtr(degrees, -mean / error)),
+        p=_tail(degrees, mean / error),
         excess=mean,
         high=mean + float(stdtrit(degrees, level)) * error,
         needed=needed_replicates(rows, 0.0, alpha, level),
@@ -194,10 +194,16 @@ def needed_replicates(
     error = alpha if rows.mean() > limit else 1 - level
     count = np.arange(2, _MOST + 1, dtype=np.float64)
     degrees = n * (count - 1)
-    wanted = stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER)
+    wanted: FloatArray = stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER)
     spread = sqrt(float(rows.var(axis=1, ddof=1).sum())) / n
-    enough = distance >= wanted * spread / np.sqrt(count)
+    enough: BoolArray = distance >= wanted * spread / np.sqrt(count)
     return int(count[enough.argmax()]) if enough.any() else None
+
+
+def _tail(degrees: float, t: float) -> float:
+    """Return the chance of at least t."""
+    chance: float = stdtr(degrees, -t)
+    return float(chance)
 
 
 def _spread(rows: NDArray[np.float64]) -> bool:
