@@ -87,7 +87,6 @@ def validate(
     as_json: options.AsJson = False,
 ) -> None:
     """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
-    from ..analysis.study.compare import CompareOptions
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation import replays
@@ -120,7 +119,7 @@ def validate(
         )
         require_priced(profile)
         require_recordable(labels, opened.scene)
-        scoring = CompareOptions(
+        scoring = replays.SimulateOptions(
             warmup_s=warmup_s,
             draws=draws,
             workers=workers,
@@ -142,11 +141,11 @@ def validate(
             label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
         }
         with progress_bar("simulate") as progress:
-            comparison, pairs = replays.simulate_all(
+            setting, pairs = replays.simulate_all(
                 labels, opened, path, profile, replay, scoring, measured, progress
             )
         log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
-        validation = compare_sides(comparison, pairs, profile, log)
+        validation = compare_sides(setting, pairs, profile, log)
         kept = recorded or recordings
         unwritten = out and failure_of(lambda: write_validation(out, validation, pairs, kept))
     if as_json:

@@ -102,8 +102,9 @@ class _Reader:
 
     def _several(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:
         """Return the limits of a metric: of one table, or of several for several populations."""
-        several = isinstance(entry, list) and bool(entry)
-        tables: list[Any] = cast("list[Any]", entry) if several else [entry]
+        tables: list[Any] = [entry]
+        if isinstance(entry, list) and entry:
+            tables = cast("list[Any]", entry)
         return tuple(limit for table in tables for limit in self._metric(name, table, where))
 
     def _metric(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.content_hash import content_hash
 from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
@@ -22,9 +21,9 @@ from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import require_paths
 from ..study.engine.limits import DEFAULT_LIMITS, Limits
 from ..study.engine.open_engine import open_engine
-from ..study.replays import Bench, Place, Replays
+from ..study.replays import Place, Replays, make_bench
 from ..study.runs import Progress
-from ..study.score import MISS, Scored
+from ..study.score import Scored
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,7 +119,7 @@ def measure(
     """
     require_distinct(policies)
     require_paths(paths, warmup_s)
-    bench = _bench(policies, scene, paths, hardware, options, warmup_s)
+    bench = make_bench(policies, scene, paths, hardware, options, warmup_s)
     seeds = range(options.seed, options.seed + sampling.seeds)
     engine = open_engine(
         bench.inputs,
@@ -160,34 +159,6 @@ def conditions_of(
         fovy_deg=options.fovy_deg,
         crossfade_ms=options.crossfade_ms,
         measurement_delay=options.measurement_delay,
-    )
-
-
-def _bench(
-    policies: Sequence[PolicySpec],
-    scene: Scene,
-    paths: Sequence[CameraTrace],
-    hardware: HardwareProfile,
-    options: ReplayOptions,
-    warmup_s: float,
-) -> Bench:
-    """Return what all replays share; no knob is turned."""
-    hashes = tuple(content_hash(path) for path in paths)
-    scene_hash, hardware_hash = content_hash(scene), content_hash(hardware)
-    return Bench(
-        inputs={
-            scene_hash: scene,
-            hardware_hash: hardware,
-            **dict(zip(hashes, paths, strict=True)),
-        },
-        scene=scene_hash,
-        hardware=hardware_hash,
-        paths=hashes,
-        specs={spec.label: spec for spec in policies},
-        knobs={},
-        options=options,
-        warmup_s=warmup_s,
-        miss=MISS,
     )
 
 

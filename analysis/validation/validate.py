@@ -12,10 +12,12 @@ from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
-from ..study.comparison import Comparison
 from .ranks import kendall_tau
 from .time_errors import adapted_ms, at_times, summarise
 from .validation_result import Agreement, Errors, PolicyValidation, Rank, Validation
+
+LEVEL = 0.9
+"""Coverage of the simulated intervals: where one recording lies."""
 
 UNRECORDED = ("splats", "texture_bytes")
 """GPU predictors that a recording does not count."""
@@ -44,10 +46,32 @@ class Pair:
     ----------
     measured : one or two recordings, the second of the same replay again
     simulated : the replay under the profile's mean
+    spread : metrics of replays under other draws and other noise
     """
 
     measured: tuple[Measured, ...]
     simulated: FrameLog
+    spread: tuple[Mapping[str, float | None], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """Of what both sides are replays.
+
+    Attributes
+    ----------
+    trace_s : length of the path
+    window_s : the stretch of it that counts
+    draws : posterior draws of the cost model behind each pair's spread
+    """
+
+    scene: str
+    trace: str
+    trace_s: float
+    window_s: tuple[float, float]
+    budget_ms: float
+    seed: int
+    draws: int
 
 
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
@@ -76,7 +100,7 @@ def require_priced(hardware: HardwareProfile) -> None:
 
 
 def validate(
-    comparison: Comparison,
+    setting: Setting,
     pairs: Mapping[str, Pair],
     hardware: HardwareProfile,
     log: dict[str, str],
@@ -87,31 +111,30 @@ def validate(
 
     Parameters
     ----------
-    comparison : of the simulated replays
+    setting : of both sides
     pairs : by label, in the order of the policies
     log : header of the recordings
     """
-    runs = {label: _measured(pair, comparison.window_s) for label, pair in pairs.items()}
+    runs = {label: _measured(pair, setting.window_s) for label, pair in pairs.items()}
     series = {label: _series(pair, runs[label], hardware) for label, pair in pairs.items()}
     policies = tuple(
-        _policy(label, pair, runs[label], comparison, series[label])
-        for label, pair in pairs.items()
+        _policy(label, pair, runs[label], series[label]) for label, pair in pairs.items()
     )
     known = [
         item.inside for p in policies for item in p.metrics.values() if item.inside is not None
     ]
     return Validation(
-        scene=comparison.scene,
-        trace=comparison.trace,
-        trace_s=comparison.conditions.trace_s,
+        scene=setting.scene,
+        trace=setting.trace,
+        trace_s=setting.trace_s,
         hardware=hardware.name,
         hardware_source=hardware.provenance.source,
         measured_on=hardware.provenance.measured_on,
-        budget_ms=comparison.budget_ms,
-        seed=comparison.seed,
-        window_s=comparison.window_s,
-        level=comparison.intervals.level,
-        draws=comparison.intervals.draws,
+        budget_ms=setting.budget_ms,
+        seed=setting.seed,
+        window_s=setting.window_s,
+        level=LEVEL,
+        draws=setting.draws,
         log=log,
         policies=policies,
         all_policies=_errors(*series.values()),
@@ -121,22 +144,30 @@ def validate(
 
 
 def _policy(
-    label: str, pair: Pair, runs: "_Runs", comparison: Comparison, series: dict[str, FloatArray]
+    label: str, pair: Pair, runs: "_Runs", series: dict[str, FloatArray]
 ) -> PolicyValidation:
-    scored = next(policy for policy in comparison.ok if policy.label == label)
     values = [{metric.id: metric(run) for metric in METRICS} for run in runs.measured]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
     for metric in METRICS:
-        score, measured = scored.metrics[metric.id], values[0][metric.id]
+        measured, (low, high) = values[0][metric.id], span_of(pair, metric.id)
         inside = None
-        if measured is not None and score.low is not None and score.high is not None:
-            inside = score.low <= measured <= score.high
+        if measured is not None and low is not None and high is not None:
+            inside = low <= measured <= high
         metrics[metric.id] = Agreement(
-            measured, again[metric.id], score.value, score.low, score.high, inside, metric.unit
+            measured, again[metric.id], metric(runs.simulated), low, high, inside, metric.unit
         )
     frames = len(pair.measured[0].frames), len(pair.simulated)
     return PolicyValidation(label, *frames, _errors(series), metrics)
+
+
+def span_of(pair: Pair, metric: str) -> tuple[float | None, float | None]:
+    """Return the ends that hold `LEVEL` of a metric's values over the spread of a pair."""
+    known = [value for item in pair.spread if (value := item[metric]) is not None]
+    if len(known) < 2:
+        return None, None
+    low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0))
+    return float(low), float(high)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -194,16 +194,15 @@ def needed_replicates(
     error = alpha if rows.mean() > limit else 1 - level
     count = np.arange(2, _MOST + 1, dtype=np.float64)
     degrees = n * (count - 1)
-    wanted: FloatArray = stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER)
+    wanted = np.asarray(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER), dtype=np.float64)
     spread = sqrt(float(rows.var(axis=1, ddof=1).sum())) / n
-    enough: BoolArray = distance >= wanted * spread / np.sqrt(count)
+    enough = distance >= wanted * spread / np.sqrt(count)
     return int(count[enough.argmax()]) if enough.any() else None
 
 
 def _tail(degrees: float, t: float) -> float:
     """Return the chance of at least t."""
-    chance: float = stdtr(degrees, -t)
-    return float(chance)
+    return float(np.float64(stdtr(degrees, -t)))
 
 
 def _spread(rows: NDArray[np.float64]) -> bool:

@@ -58,6 +58,7 @@ def _p(n: int, some: FloatArray, most: float, limit: float) -> float:
     share = np.ones(1) if everywhere else betaincinv(k + 0.5, n - k + 0.5, _QUANTILES)
     room = limit / share  # what the mean of the paths with any may be
     with np.errstate(divide="ignore"):  # no room at all: certainly beyond
-        above: FloatArray = np.log(room / some.mean())
-    within: FloatArray = above >= 0.0 if error == 0.0 else stdtr(max(k - 1, 1), above / error)
+        above = np.log(room / some.mean())
+    t = above / error if error > 0.0 else np.where(above >= 0.0, np.inf, -np.inf)
+    within = np.asarray(stdtr(max(k - 1, 1), t), dtype=np.float64)
     return float(np.where(room >= most, 1.0, within).mean())
