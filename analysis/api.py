@@ -228,7 +228,7 @@ def check(
     ----------
     limits
         TOML file; None for the 99th percentile of the work time within the budget on such paths
-        and, if there is a baseline, its mean at most 2.5 % up on these.
+        and, if there is a baseline, at most 2.5 % up on these.
     allow_new
         What the baseline lacks passes.
     paths

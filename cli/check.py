@@ -35,7 +35,7 @@ LimitsFile = Annotated[
     Path | None,
     Option(
         help="Limits in TOML; else work_ms_p99 within the budget on such paths, and, with a "
-        "baseline, work_ms_mean at most 2.5% up on these."
+        "baseline, work_ms_p99 at most 2.5% up on these."
     ),
 ]
 Scenes = Annotated[list[str] | None, Option(help="A bundled scene or a file; may be repeated.")]

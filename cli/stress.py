@@ -15,7 +15,7 @@ Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}.")]
 Badness = Annotated[
     str,
     Option(
-        help="What to look for: overshoot (longest work time over the budget), toggles (a frame) "
+        help="What to look for: overshoot (longest work time over the budget), toggles (a second) "
         "or lag (99th percentile, ms)."
     ),
 ]
@@ -47,6 +47,7 @@ def stress(
     legs: Legs = 6,
     evaluations: Evaluations = 100,
     budget_ms: options.BudgetMs = None,
+    warmup_s: options.Warmup = 1.0,
     seed: PathSeed = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
@@ -80,7 +81,14 @@ def stress(
     )
     with (
         kinds.open_gauge(
-            spec, world, profile, replay, aim, limits=limits, scheduler=scheduler
+            spec,
+            world,
+            profile,
+            replay,
+            aim,
+            warmup_s=warmup_s,
+            limits=limits,
+            scheduler=scheduler,
         ) as gauge,
         progress_bar("search", "paths") as progress,
     ):
@@ -99,6 +107,7 @@ def stress(
     check += ["--place", "none", "--hardware", hardware, "--limits", str(limits_file)]
     check += ["--baseline", str(out.with_suffix(".baseline.json"))]
     check += ["--seed", str(seed)] if seed else []
+    check += ["--warmup", repr(warmup_s)] if warmup_s != 1.0 else []
     check += ["--budget-ms", repr(budget_ms)] if budget_ms is not None else []
     record = {
         "schema": "lodbench.stress/1",

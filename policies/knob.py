@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, Literal, get_args
 
 from ..base.errors import InputError
-from ..base.foreign_text import describe_value
+from ..base.foreign_text import describe_error, describe_value
 from ..base.nearest_names import unknown_name
 from .policy_spec import PolicySpec, parameters
 from .registry import vary_policy
@@ -119,20 +119,40 @@ class Knob:
 def knob_of(spec: PolicySpec) -> Knob | None:
     """Return the knob of a policy as it is made, or None if it has none.
 
-    A knob may depend on the parameters, as that of a policy that wraps another one does.  Of a
-    user's class it is what the class declares: nothing of a user's is run here.
+    A knob may depend on the parameters, as that of a policy that wraps another one does.
 
     Raises `InputError`, naming the class, if it is no `Knob`, or the class has no such parameter or
     refuses an end of its range.
     """
-    where = f"policy class {spec.cls.__name__}: knob"
-    ours = spec.cls.__module__.startswith("lodbench.")
+    policy = spec.make()
     try:
-        knob: object = getattr(spec.make(), "knob", None) if ours else _declared(spec.cls)
-    except InputError as error:
-        raise InputError(f"policy class {spec.cls.__name__}: {error}") from error
+        knob: object = getattr(policy, "knob", None)
+    except (Exception, SystemExit) as error:  # a user's property may raise anything
+        said = describe_error(error)
+        raise InputError(f"policy class {spec.cls.__name__}: knob: {said}") from error
     if knob is None:
         return None
+    return _checked(spec, knob, makes=True)
+
+
+def declared_knob(spec: PolicySpec) -> Knob | None:
+    """Return the knob that a policy's class declares, without making a user's policy.
+
+    What a user's class computes, such as a property, counts as none.
+
+    Raises `InputError` as `knob_of`.
+    """
+    if spec.cls.__module__.startswith("lodbench."):
+        return knob_of(spec)
+    knob: object = inspect.getattr_static(spec.cls, "knob", None)
+    if knob is None or hasattr(knob, "__get__"):
+        return None
+    return _checked(spec, knob, makes=False)
+
+
+def _checked(spec: PolicySpec, knob: object, *, makes: bool) -> Knob:
+    """Return a knob that fits the class; `makes` says whether policies are made to find out."""
+    where = f"policy class {spec.cls.__name__}: knob"
     if not isinstance(knob, Knob):
         raise InputError(f"{where}: expected a Knob or None, got {describe_value(knob)}")
     known = [parameter.name for parameter in parameters(spec.cls)]
@@ -146,17 +166,11 @@ def knob_of(spec: PolicySpec) -> Knob | None:
         if spec.made is None:
             try:
                 varied = vary_policy(spec, {knob.name: end})
-                if ours:
+                if makes:
                     varied.make()
             except InputError as error:
                 raise InputError(f"{where}: {error}") from error
     return knob
-
-
-def _declared(cls: type[Any]) -> object:
-    """Return the attribute of a class as it stands there; what would be computed counts as none."""
-    knob: object = inspect.getattr_static(cls, "knob", None)
-    return None if hasattr(knob, "__get__") else knob
 
 
 def _refuse(field: str, expected: str, value: object) -> InputError:

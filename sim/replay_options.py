@@ -83,8 +83,8 @@ class ReplayOptions:
         """
         if self.frames is None and frames > MAX_FRAMES:
             raise InputError(
-                f"trace {trace}: expected at most {MAX_FRAMES} frames, got {frames:.3g}; limit "
-                "their number, or cut the trace"
+                f"trace {trace}: expected at most {MAX_FRAMES} frames, got {frames:.3g}; "
+                "replay a stretch of it"
             )
 
     def _require_types(self) -> None:

@@ -14,9 +14,12 @@ ABSOLUTE_LIMITS = """[limits]
 work_ms_p99 = { max = "budget", population = "such-paths" }
 """
 """Limits without a file and without a baseline."""
-DEFAULT_LIMITS = (
-    ABSOLUTE_LIMITS + 'work_ms_mean = { max_increase = "2.5%", population = "this-path" }\n'
-)
+DEFAULT_LIMITS = """[limits]
+work_ms_p99 = [
+    { max = "budget", population = "such-paths" },
+    { max_increase = "2.5%", population = "this-path" },
+]
+"""
 """Limits without a file.  2.5 % lies midway between no change and the 5 % that has to be found."""
 
 _SCOPE = ("policy", "scene", "trace")

@@ -8,7 +8,7 @@ from ...base.content_hash import content_hash
 from ...base.errors import InputError, require_real, require_whole
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
-from ...policies.knob import Knob, knob_of
+from ...policies.knob import Knob, declared_knob
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import default_policies, require_distinct
 from ...sim.replay import ReplayOptions
@@ -193,7 +193,7 @@ def find_knobs(policies: Iterable[PolicySpec]) -> dict[str, Knob]:
     found: dict[str, Knob] = {}
     for spec in policies:
         bare = not spec.params and spec.made is None
-        if bare and (knob := knob_of(spec)) is not None:
+        if bare and (knob := declared_knob(spec)) is not None:
             found[spec.label] = knob
     return found
 

@@ -1,1 +1,1 @@
-"""Statistics behind a verdict: resamples, intervals, fronts."""
+"""Statistics behind a verdict: operating points, intervals, chances, ranks, the gate."""

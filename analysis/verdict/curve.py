@@ -11,7 +11,8 @@ from .intervals import Interval, such_paths
 
 Quantity = Literal["p99_ms", "work_ms", "error_px", "pops_per_s", "lag_ms"]
 
-_LEAST_ERROR_PX = 0.01  # an error below this is taken as this: its logarithm would decide alone
+LEAST_ERROR_PX = 0.01
+"""An error below this is taken as this, where its logarithm counts: it would decide alone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +68,7 @@ def _ln_error_over_ln_work(curve: Curve) -> PchipInterpolator | None:
     Of points with equal work the finest picture counts.
     """
     work = np.log(curve.p99_ms).mean(axis=1)
-    error = np.log(np.maximum(curve.error_px, _LEAST_ERROR_PX)).mean(axis=1)
+    error = np.log(np.maximum(curve.error_px, LEAST_ERROR_PX)).mean(axis=1)
     order = np.lexsort((error, work))
     x, first = np.unique(work[order], return_index=True)
     return PchipInterpolator(x, error[order][first]) if len(x) > 1 else None

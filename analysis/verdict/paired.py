@@ -5,6 +5,7 @@ difference.  Values are turned so that more is worse; of a metric in which more 
 hand the negatives.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
@@ -192,12 +193,16 @@ def needed_replicates(
     if each < 2 or distance == 0:
         return None
     error = alpha if rows.mean() > limit else 1 - level
-    count = np.arange(2, _MOST + 1, dtype=np.float64)
-    degrees = n * (count - 1)
-    wanted = np.asarray(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER), dtype=np.float64)
     spread = sqrt(float(rows.var(axis=1, ddof=1).sum())) / n
-    enough = distance >= wanted * spread / np.sqrt(count)
-    return int(count[enough.argmax()]) if enough.any() else None
+
+    def decides(count: int) -> bool:
+        degrees = n * (count - 1)
+        wanted = float(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER))
+        return distance >= wanted * spread / sqrt(count)
+
+    counts = range(2, _MOST + 1)
+    found = bisect_left(counts, True, key=decides)  # more replicates never decide less
+    return counts[found] if found < len(counts) else None
 
 
 def _tail(degrees: float, t: float) -> float:

@@ -13,14 +13,14 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from .criterion import PICTURE_MARGIN_PX, Criterion
-from .curve import Curve
+from .curve import LEAST_ERROR_PX, Curve
 from .operating_point import keeps_surely
 from .ranking import ranking
 
 REFRESH_HZ = (30.0, 60.0, 90.0, 120.0)
 SLOWEST, FASTEST = 0.5, 2.0
 _STEPS = 12  # of speed, to either end
-_BETWEEN = 16  # points between two values of a knob that were replayed
+_BETWEEN = 64  # points for each value of a knob that was replayed
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +111,11 @@ class _Fine:
         def between(table: FloatArray) -> FloatArray:
             return table[left] * (1 - part) + table[right] * part
 
-        seen = [between(of) for of in (curve.error_px, curve.pops_per_s, curve.work_ms)]
-        return cls(between(np.log(curve.p99_ms)), np.array(seen))
+        # Work and errors change by factors along a knob: straight between them would be too large.
+        error_px = np.exp(between(np.log(np.maximum(curve.error_px, LEAST_ERROR_PX))))
+        work_ms = np.exp(between(np.log(curve.work_ms)))
+        seen = np.array([error_px, between(curve.pops_per_s), work_ms])
+        return cls(between(np.log(curve.p99_ms)), seen)
 
     def at(self, budget_ms: float) -> FloatArray | None:
         """Return what is seen at the finest point that keeps the budget, (3, n), if any does."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 
-_FAR = 5.0  # standard errors behind the best from which a policy takes no part
+_FAR = 4.0  # standard errors behind the best from which a policy takes no part
 _SPREADS = np.tan(np.pi / 2 * (np.arange(64) + 0.5) / 64)  # half-Cauchy quantiles
 
 

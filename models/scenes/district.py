@@ -1,15 +1,15 @@
 """The bundled scene ``district``, made to tell policies apart: few objects of dense meshes.
 
-600 objects of seven types of 20,000 to 64,000 triangles at full detail, in seven levels, on flat
+630 objects of seven types of 20,480 to 58,800 triangles at full detail, in seven levels, on flat
 ground about the origin, x to the east and y to the north.  From west to east:
 
-========  ======  ================  ==========================================
+========  ======  ================  ===========================================================
 region    number  between x (m)     what stands there
-========  ======  ================  ==========================================
-park      40      -240 and -80      trees, statues and boulders, far apart
-quarter   360     -80 and 120       towers, houses and chapels about streets
-gardens   200     120 and 240       trees, statues, fountains and boulders
-========  ======  ================  ==========================================
+========  ======  ================  ===========================================================
+park      40      -350 and -190     trees, statues and boulders, far apart
+quarter   390     -190 and 190      towers, houses, chapels, and fountains, statues, trees between
+gardens   200     190 and 370       groves of trees, statues, fountains and boulders
+========  ======  ================  ===========================================================
 
 At full detail all of it takes several times a frame of 60 Hz on ``desktop-assumed``, and few
 objects keep replays fast.  The edge between park and quarter is where load begins.
@@ -98,4 +98,4 @@ def _populate(
     return kind, plan + np.array(region.center_m)
 
 
-DISTRICT = BundledScene("600 dense objects: a park, a quarter of houses, gardens", build_district)
+DISTRICT = BundledScene("630 dense objects: a park, a quarter of houses, gardens", build_district)

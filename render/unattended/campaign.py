@@ -34,7 +34,8 @@ class Campaign:
     limit_s : when everything is over, whatever is left to do; a quarter of it for each part
     size : width and height of the picture, as ``WIDTHxHEIGHT``
     seconds : of a trace that a policy goes through
-    calibration_frames, repeats : as of ``lodbench record``
+    calibration_frames : of ``lodbench record --calibrate --steps``
+    repeats : as of ``lodbench record``
     turns : times that each policy is recorded
     budget_ms : of the policies; 0 for the median of the calibration
     scenes : each as ``scene:trace``
@@ -84,15 +85,15 @@ class _Runner:
         campaign, tag = self._campaign, f"{_file_name(Path(scene).stem)}-{draws}"
         drawn = ("--scene", scene, "--trace", trace)
         drawn += ("--instancing",) if draws == "instanced" else ()
-        programme = ("--calibrate", "--frames", str(campaign.calibration_frames))
+        programme = ("--calibrate", "--steps", str(campaign.calibration_frames))
         calibration = self._record(f"{tag}-calibration", *drawn, *programme)
         if calibration is None:
             return
         self._measure_in_flight(tag, scene, draws)
         median_ms = calibration["frame_ms"][1]
         budget_ms = self._results.budget_ms[tag] = campaign.budget_ms or median_ms
-        frames = min(max(round(1e3 * campaign.seconds / median_ms), 1), _MOST_FRAMES)
-        limits = ("--budget-ms", str(budget_ms), "--frames", str(frames))
+        seconds = min(campaign.seconds, 1e-3 * median_ms * _MOST_FRAMES)
+        limits = ("--budget-ms", str(budget_ms), "--seconds", f"0:{seconds:g}")
         for turn in range(campaign.turns):
             for policy in campaign.policies:
                 if self._left_s() > 0.0:

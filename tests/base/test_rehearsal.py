@@ -25,7 +25,16 @@ def test_a_file_that_ends_its_process_is_refused(tmp_path: Path, deed: str, how:
         "import lodbench.base.rehearsal as module; module.LONGEST_S = 2.0; "
         "from lodbench.cli.main import main; main()"
     )
-    command = [sys.executable, "-c", program, "check", "--frames", "40", "--policy", f"{file}:Mine"]
+    command = [
+        sys.executable,
+        "-c",
+        program,
+        "check",
+        "--seconds",
+        "0:2",
+        "--policy",
+        f"{file}:Mine",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1

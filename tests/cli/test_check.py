@@ -8,7 +8,7 @@ import pytest
 
 from lodbench.cli.main import run
 
-QUICK = ["--frames", "60", "--seeds", "2", "--resamples", "50", "--workers", "1"]
+QUICK = ["--seconds", "0:2", "--seeds", "2", "--workers", "1"]
 FULL = ["check", "--policy", "full", *QUICK]
 BROKEN = """
 from lodbench.policies.protocol import Capabilities
@@ -50,18 +50,18 @@ def test_the_budget_is_the_limit_by_default(capsys: pytest.CaptureFixture[str]) 
 
 def test_every_form_tells_the_same(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """JSON, JUnit and annotations of one failed and one passed limit; stdout is one document."""
-    limits = write_limits(tmp_path, "frame_ms_p99 = { max = 0.5 }", "toggles_per_frame = {max=9}")
+    limits = write_limits(tmp_path, "frame_ms_p99 = { max = 0.5 }", "toggles_per_s = {max=9}")
     arguments = [*FULL, *limits, "--json", "--github", "--junit", "out/junit.xml"]
     assert run(arguments) == 1
     captured = capsys.readouterr()
     document = json.loads(captured.out)
     assert next(iter(document)) == "schema"
-    assert (document["schema"], document["passed"]) == ("lodbench.check/1", False)
+    assert (document["schema"], document["passed"]) == ("lodbench.check/2", False)
     fails, passes = document["verdicts"]
     assert (fails["metric"], fails["outcome"], fails["line"]) == ("frame_ms_p99", "fails", 2)
     assert fails["low"] <= fails["value"] <= fails["high"]
     assert len(fails["worst"]["camera_m"]) == 3
-    assert (passes["metric"], passes["outcome"]) == ("toggles_per_frame", "passes")
+    assert (passes["metric"], passes["outcome"]) == ("toggles_per_s", "passes")
     (annotation,) = captured.err.splitlines()
     assert annotation.startswith("::error title=frame_ms_p99 of full,file=limits.toml,line=2::")
     assert len(ET.parse("out/junit.xml").findall(".//failure")) == 1
@@ -91,13 +91,13 @@ def test_a_baseline_is_written_once_and_held_against(
     capsys.readouterr()
     assert run(FULL) == 1
     out = capsys.readouterr().out
-    assert "FAILS: full in plaza on tour: frame_ms_p99" in out
+    assert "FAILS: full in plaza on tour: work_ms_p99" in out
     assert "% on a baseline of" in out
 
 
 def test_a_folder_of_compare_is_judged(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """What `compare --out` wrote is judged without a replay, its own baseline included."""
-    compare = ["compare", "--policy", "full", "--frames", "60", "--workers", "1", "--out", "run"]
+    compare = ["compare", "--policy", "full", "--seconds", "0:2", "--workers", "1", "--out", "run"]
     assert run(compare) == 0
     limits = write_limits(tmp_path, "frame_ms_p99 = { max = 100, max_increase = '1%' }")
     assert run(["check", "run", *limits, "--update-baseline"]) == 0
@@ -133,7 +133,7 @@ def test_a_broken_policy_fails(capsys: pytest.CaptureFixture[str], tmp_path: Pat
         ([], "policy: expected the policies to check"),
         (["--policy", "ful"], "did you mean full?"),
         (["--policy", "full", "--seeds", "0"], "seeds: expected a whole number >= 1"),
-        (["--policy", "full", "--frames", "30"], "frames: expected more than the 30 of warm-up"),
+        (["--policy", "full", "--warmup", "900"], "warmup: expected seconds >= 0 and less than"),
         (["--policy", "full", "--limits", "no.toml"], "no.toml: expected a file that can be read"),
         (
             ["--policy", "full", "--limits", "bad.toml"],

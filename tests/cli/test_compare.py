@@ -9,7 +9,7 @@ import pytest
 
 from lodbench.cli.main import run
 
-SHORT = ["compare", "--frames", "60", "--workers", "1", "--resamples", "10"]
+SHORT = ["compare", "--seconds", "0:2", "--workers", "1"]
 BROKEN = """
 import numpy as np
 from lodbench.policies.protocol import Capabilities
@@ -43,8 +43,8 @@ def test_json_is_one_document(capsys: pytest.CaptureFixture[str], tmp_path: Path
     assert run([*SHORT, "--policy", "full", "--seed", "5", "--json", "--out", str(out)]) == 0
     text = capsys.readouterr().out
     document = json.loads(text)
-    assert (document["schema"], document["seed"]) == ("lodbench.compare/1", 5)
-    assert (document["frames"], document["warmup"]) == (60, 30)
+    assert (document["schema"], document["seed"]) == ("lodbench.compare/2", 5)
+    assert (document["window_s"], document["visible_px"]) == ([1.0, 2.0], 1.0)
     assert document["budget_ms"] == pytest.approx(1000 / 60)
     assert (out / "comparison.json").read_text(encoding="utf-8") == text
     assert (out / "frames" / "full.parquet").is_file()
@@ -90,7 +90,8 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
     """What is asked of display, pipeline, view and timers is what was replayed."""
     arguments = ["--display", "vsync", "--refresh-hz", "120", "--frames-in-flight", "3"]
     arguments += ["--fovy-deg", "50", "--crossfade-ms", "200", "--measurement-delay", "2"]
-    arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "10"]
+    arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "0.5"]
+    arguments += ["--seconds", "5:7", "--visible", "2"]
     assert run([*SHORT, "--policy", "feedback", *arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     conditions = document["conditions"]
@@ -104,7 +105,8 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
         "hardware_assumed": True,
     }
     assert {key: conditions[key] for key in wanted} == wanted
-    assert (document["budget_ms"], document["warmup"]) == (5.0, 10)
+    assert (document["budget_ms"], document["window_s"]) == (5.0, [0.5, 2.0])
+    assert (document["trace"], document["visible_px"]) == ("tour 5:7 s", 2.0)
     metrics = document["policies"][0]["metrics"]
     assert metrics["missed_vsync_fraction"]["value"] is not None
 
@@ -132,9 +134,13 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--policy", "ful"], "did you mean full?"),
         (["--budget-ms", "0"], "budget: expected milliseconds > 0"),
         (["--budget-ms", "nan"], "budget: expected milliseconds > 0"),
-        (["--frames", "0"], "frames: expected 1"),
+        (["--seconds", "5"], "seconds: expected A:B, A: or :B in seconds of the path, got '5'"),
+        (["--seconds", "5:x"], "seconds: expected A:B, A: or :B"),
+        (["--seconds", "5:5"], "seconds: expected a stretch of tour within 0:"),
+        (["--seconds", ":900"], "seconds: expected a stretch of tour within 0:"),
         (["--warmup", "-1"], "warmup: expected"),
-        (["--frames", "30"], "frames: expected more than the 30 of warm-up, got 30"),
+        (["--warmup", "2"], "warmup: expected seconds >= 0 and less than the path's 2, got 2"),
+        (["--visible", "-1"], "visible: expected pixels >= 0"),
         (["--display", "crt"], "immediate, vsync, mailbox or vrr"),
         (["--refresh-hz", "0"], "refresh_hz"),
         (["--frames-in-flight", "9"], "1 to 4"),
@@ -171,7 +177,7 @@ def test_folder_in_the_way_is_refused_before_the_replays(
 ) -> None:
     """A folder with other files is refused at once and stays as it is."""
     (tmp_path / "thesis.tex").write_text("mine", encoding="utf-8")
-    assert run([*SHORT, "--frames", "100000", "--out", str(tmp_path)]) == 2
+    assert run([*SHORT, "--seconds", "0:", "--out", str(tmp_path)]) == 2
     assert "thesis.tex" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 

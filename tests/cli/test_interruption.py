@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 POLICIES = ("full", "static-screen", "feedback", "lodmanager", "hoppe", "gobbetti")
-ARGUMENTS = ["compare", "--frames", "400", "--workers", "1", "--resamples", "10"]
+ARGUMENTS = ["compare", "--seconds", "0:7", "--workers", "1"]
 # What is started in the background of a script does not hear Ctrl-C.
 COMMAND = """
 import signal

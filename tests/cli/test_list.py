@@ -87,6 +87,23 @@ def test_claims_as_listed() -> None:
     assert claims["maciel"] == ["budget", "rests after 10 frames"]
 
 
+def test_knobs_as_listed(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One knob by hand in both forms; a policy has a knob or says why it has none."""
+    items = {item["name"]: item for item in listed("policies", capsys)}
+    ends = {"low": 0.005, "high": 50.0}
+    bias = {"name": "bias", **ends, "scale": "log", "finer": "higher"}
+    assert items["static-screen"]["knob"] == bias
+    assert items["full"]["knob"] is None
+    assert all((item["knob"] is None) == bool(item["no_knob"]) for item in items.values())
+    monkeypatch.setenv("COLUMNS", "200")
+    assert run(["list", "policies"]) == 0
+    table = capsys.readouterr().out
+    assert "bias, 0.005 to 50 (log), finer when higher" in table
+    assert items["full"]["no_knob"] in table
+
+
 def test_metric_ids_are_distinct_and_have_units(capsys: pytest.CaptureFixture[str]) -> None:
     """An id names one metric; each says its unit and which direction is better."""
     items = listed("metrics", capsys)

@@ -22,7 +22,7 @@ from lodbench.traces.logs.read_log import read_render_log
 
 pytestmark = pytest.mark.usefixtures("egl")
 
-QUICK = ["--trace", "walk", "--repeats", "1", "--size", "160x90", "--frames", "12"]
+QUICK = ["--trace", "walk", "--repeats", "1", "--size", "160x90", "--seconds", "0:0.05"]
 STATIC = ["--policy", "static-screen"]
 Record = Callable[..., int]
 
@@ -77,7 +77,7 @@ def test_a_log_that_fit_can_read(record: Record, name: str) -> None:
     assert header["policy"] == "static-screen"
     assert header["resolution"] == "160x90"
     assert header["repeats"] == "1"
-    assert len(log) == 12
+    assert len(log) > 1
     assert (log.columns(["draw_calls", "triangles", "shaded_samples"]) >= 1.0).all()
     assert (log.columns(["framebuffer_pixels"]) == 160 * 90).all()
     assert (log.time("frame_ms") > log.time("cpu_ms")).all()
@@ -100,7 +100,7 @@ def test_what_json_says(record: Record, capsys: pytest.CaptureFixture[str]) -> N
         "means",
         "repeats_spread_pct",
     ]
-    assert document["frames"] == 12
+    assert document["frames"] > 1
     assert document["log"]["draws"] == "instanced"
     columns = {"draw_calls", "triangles", "shaded_samples", "cpu_ms", "policy_ms"}
     assert set(document["means"]) == columns
@@ -111,7 +111,7 @@ def test_what_a_reader_is_told(record: Record, capsys: pytest.CaptureFixture[str
     """The device, the times and the counts, in a few lines."""
     assert record(*STATIC, "--images", "pictures") == 0
     printed = capsys.readouterr().out
-    for part in ("160x90", "12 frames of", "draw calls", "of the policy, apart", "SSIM"):
+    for part in ("160x90", "frames of", "draw calls", "of the policy, apart", "SSIM"):
         assert part in printed
 
 
@@ -127,16 +127,18 @@ def test_frames_as_compare_writes_them(record: Record) -> None:
 def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
     """They are the pictures that they are compared with; a second recording replaces the first."""
     full = ["--policy", "full", "--images", "pictures", "--json"]
-    assert record(*full, "--image-every", "4") == 0
+    assert record(*full, "--image-every", "1") == 0
     capsys.readouterr()
-    assert record(*full, "--image-every", "6") == 0
-    document = json.loads(capsys.readouterr().out)["pictures"]
-    assert document == {"count": 2, "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
+    assert record(*full, "--image-every", "2") == 0
+    document = json.loads(capsys.readouterr().out)
+    drawn = range(0, document["frames"], 2)  # as many frames as this machine draws in the time
+    alike = {"count": len(drawn), "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
+    assert document["pictures"] == alike
     names = sorted(path.name for path in Path("pictures").iterdir())
-    assert names == ["frame-000000.png", "frame-000006.png", "images.csv"]
+    assert names == [*(f"frame-{frame:06}.png" for frame in drawn), "images.csv"]
     header, *rows = Path("pictures/images.csv").read_text(encoding="utf-8").splitlines()
     assert header.startswith("frame,trace_s,ssim,difference,differing,benefit_share,sse_px_p95")
-    assert [row.split(",")[0] for row in rows] == ["0", "6"]
+    assert [row.split(",")[0] for row in rows] == [str(frame) for frame in drawn]
     for row in rows:
         assert row.split(",")[2:6] == ["1", "0", "0", "1"]
         assert len(row.split(",")) == len(header.split(","))
@@ -144,7 +146,7 @@ def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[s
 
 def test_a_calibration_can_be_fitted(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
     """120 frames that spread the predictors give a profile."""
-    assert record("--calibrate", "--frames", "120", out="log.parquet") == 0
+    assert record("--calibrate", "--steps", "120", out="log.parquet") == 0
     log = read_render_log(Path("log.parquet"))
     assert dict(log.header)["policy"] == "calibration"
     assert len(np.unique(log.columns(["framebuffer_pixels"]))) > 1
@@ -161,7 +163,7 @@ def test_a_calibration_can_be_fitted(record: Record, capsys: pytest.CaptureFixtu
 def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
     """What selects fronts in memory is recorded."""
     assert record("--policy", "cluster-cut", scene="tree") == 0
-    assert len(read_render_log(Path("log.csv"))) == 12
+    assert len(read_render_log(Path("log.csv"))) > 1
 
 
 @pytest.mark.parametrize(
@@ -190,7 +192,7 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
         ),
         ("balls", [*STATIC, "--repeats", "0"], "--repeats: expected 1 to 99"),
         ("balls", [*STATIC, "--threads", "-1"], "--threads: expected 0 to 32, got -1"),
-        ("balls", [*STATIC, "--frames", "0"], "frames: expected 1 to"),
+        ("balls", ["--calibrate", "--steps", "0"], "--steps: expected 1 or more, got 0"),
         ("balls", [*STATIC, "--backend", "vulkan"], "--backend: expected one of egl, window"),
         ("balls", ["--policy", "oracle"], "it sees the future"),
         ("balls", ["--policy", "none"], "got none; name one of them"),
@@ -239,7 +241,7 @@ def test_a_policy_that_fails_leaves_what_was_there(
         "    def reset(self, scene, budget_ms): pass\n"
         "    def select(self, view):\n"
         "        from lodbench.policies.selection import Selection\n"
-        "        if view.frame == 5: raise ValueError('enough')\n"
+        "        if view.frame == 1: raise ValueError('enough')\n"
         "        return Selection(view.ids, np.zeros(len(view)))\n",
         encoding="utf-8",
     )
@@ -344,7 +346,7 @@ def test_real_meshes_along_a_real_trace(
     trace = str(data_dir / "traces" / "tum-freiburg1-xyz.txt")
     capsys.readouterr()
     arguments = ["--scene", str(scene), "--trace", trace, "--calibrate", "--size", "160x90"]
-    drawn = [*arguments, "--frames", "48", "--repeats", "1", "--out", str(log), "--json"]
+    drawn = [*arguments, "--steps", "48", "--repeats", "1", "--out", str(log), "--json"]
     assert run(["record", *drawn]) == 0
     assert json.loads(capsys.readouterr().out)["frames"] == 48
     recorded = read_render_log(log)

@@ -81,7 +81,7 @@ def test_a_comparison_is_the_same_bytes_on_a_cluster(
     command: Command, scheduler: str, tmp_path: Path
 ) -> None:
     """Files and JSON of `compare`, among them frame logs, draws, and a policy that does not fit."""
-    line = ["compare", "--frames", "60", "--draws", "3", "--resamples", "30", "--json"]
+    line = ["compare", "--seconds", "0:2", "--draws", "3", "--json"]
     for policy in ("static-screen", "feedback:gain=0.2", "hlod-hysteresis", "gobbetti"):
         line += ["--policy", policy]
     here, there = tmp_path / "here", tmp_path / "there"
@@ -104,9 +104,19 @@ def test_checks_and_searches_print_the_same_on_a_cluster(
     mine = tmp_path / "mine.py"
     mine.write_text(HOSTILE, encoding="utf-8")
     policies = ["--policy", f"{mine}:Mine", "--policy", "static-screen"]
-    check = ["check", *policies, "--frames", "60", "--resamples", "30", "--json"]
+    check = ["check", *policies, "--seconds", "0:2", "--json"]
     check += ["--seeds", "2", "--draws", "2"]
-    stress = ["stress", "full", "--duration-s", "1", "--evaluations", "8", "--json"]
+    stress = [
+        "stress",
+        "full",
+        "--duration-s",
+        "1",
+        "--warmup",
+        "0.2",
+        "--evaluations",
+        "8",
+        "--json",
+    ]
     stress += ["--out", str(tmp_path / "worst.csv")]
     for line, code in ((check, 1), (stress, 0)):
         alone = command(*line)
@@ -119,7 +129,7 @@ def test_checks_and_searches_print_the_same_on_a_cluster(
 def test_whatever_a_policy_does_on_a_cluster_fails_it_alone(command: Command, cluster: Any) -> None:
     """All deeds of `hostile_neighbours`, side by side; the Dask workers live through each."""
     before = [nanny.pid for nanny in cluster.workers.values()]
-    common = ["compare", "--trace", "walk", "--frames", "80", "--resamples", "10", "--json"]
+    common = ["compare", "--trace", "walk", "--seconds", "0:2", "--json"]
     (full,) = json.loads(command(*common, "--policy", "full")[1])["policies"]
     for options in sorted({deed.options for deed in DEEDS.values()}):
         labels = {

@@ -14,8 +14,8 @@ pytestmark = pytest.mark.usefixtures("egl")
 
 POLICIES = ["--policy", "full", "--policy", "feedback:gain=0.3"]
 QUICK = [
-    *("--scene", "plaza", "--trace", "drive", "--seconds", "0.15", "--size", "96x54"),
-    *("--budget-ms", "4", "--warmup", "5", "--draws", "1", "--resamples", "10", "--workers", "1"),
+    *("--scene", "plaza", "--trace", "drive", "--seconds", "0:0.15", "--size", "96x54"),
+    *("--budget-ms", "4", "--warmup", "0.02", "--draws", "1", "--workers", "1"),
     *POLICIES,
 ]
 
@@ -55,7 +55,7 @@ def test_recordings_are_compared_again_without_a_device(
     assert run(arguments) == 0
     document = json.loads(capsys.readouterr().out)
     before = json.loads((recorded / "validation.json").read_text(encoding="utf-8"))
-    assert document["schema"] == "lodbench.validate/1"
+    assert document["schema"] == "lodbench.validate/2"
     for key in ("ranks", "inside"):
         assert document[key] == before[key]
     for mine, theirs in zip(document["policies"], before["policies"], strict=True):
@@ -73,7 +73,7 @@ def test_recordings_of_something_else_are_refused(
     for option, value, message in (
         ("--budget-ms", "9", "expected a recording with budget_ms 9, got 4; record again"),
         ("--size", "48x48", "expected a recording with resolution 48x48, got 96x54"),
-        ("--seconds", "0.9", "expected a recording with trace_s 0.9, got 0.15"),
+        ("--seconds", "0:0.9", "expected a recording with trace drive-0 0:0.9 s, got"),
         ("--policy", "lodmanager", "expected a recording of lodmanager, got none"),
     ):
         other = [*QUICK, "--recorded", str(recorded), option, value]
@@ -93,9 +93,9 @@ def test_the_frames_of_the_calibration_are_refused(capsys: pytest.CaptureFixture
     [
         (["--policy", "full"], "expected each once"),
         (["--passes", "3"], "--passes: expected 1 or 2, got 3"),
-        (["--seconds", "0"], "expected more than one sample"),
-        (["--seconds", "nan"], "expected more than one sample"),
-        (["--warmup", "-3"], "warmup: expected a whole number >= 0"),
+        (["--seconds", "0:0"], "seconds: expected a stretch of drive"),
+        (["--seconds", "nan:"], "seconds: expected a stretch of drive"),
+        (["--warmup", "-3"], "warmup: expected seconds >= 0"),
         (["--hardware", "geforce2go-2002"], "--hardware geforce2go-2002: expected"),
         (["--policy", "oracle"], "it sees the future"),
         (["--policy", "mason-blake"], "expected a policy that can be recorded"),

@@ -83,8 +83,8 @@ def test_parameters_are_converted() -> None:
 def test_parameters_tell_their_defaults() -> None:
     """What `list policies` shows: names, types and defaults in order."""
     known = parameters(StaticDistance)
-    assert [parameter.name for parameter in known] == ["near_m", "far_m", "hysteresis"]
-    assert [parameter.default for parameter in known] == [None, None, 0.0]
+    assert [parameter.name for parameter in known] == ["near_m", "far_m", "hysteresis", "scale"]
+    assert [parameter.default for parameter in known] == [None, None, 0.0, 1.0]
     assert known[2].kind is float
 
 

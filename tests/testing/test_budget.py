@@ -28,7 +28,9 @@ def world(
 @pytest.fixture
 def budget(make_hardware: Callable[..., HardwareProfile]) -> FrameBudget:
     """Return a machine of a microsecond a triangle and a millisecond a frame, without noise."""
-    return FrameBudget(hardware=make_hardware(), frames=60, seeds=2, budget_ms=4.5)
+    return FrameBudget(
+        hardware=make_hardware(), seconds=(0.0, 0.5), warmup_s=0.1, seeds=2, budget_ms=4.5
+    )
 
 
 def test_what_fits_passes_and_what_does_not_fails(
@@ -40,7 +42,7 @@ def test_what_fits_passes_and_what_does_not_fails(
         assert_budget("full", *world, replace(budget, budget_ms=3.9))
     assert str(failed.value) == (
         "FAILS: full in by-hand on by-hand: work_ms_p95 4.00 ms [4.00, 4.00], limit max budget "
-        "(3.9 ms); worst frame 30 of seed 0 at 0.12 s with 4.00, camera at (0.00, 0.00, 0.00) m"
+        "(3.9 ms); worst frame 26 of seed 0 at 0.10 s with 4.00, camera at (0.00, 0.00, 0.00) m"
     )
 
 
@@ -57,15 +59,17 @@ def test_undecided_is_a_warning_or_a_failure(
         assert_budget("full", *world, replace(unsure, strict=True))
 
 
-def test_a_replay_takes_seed_and_frames_of_the_budget_or_its_own(
+def test_a_replay_takes_seed_and_stretch_of_the_budget_or_its_own(
     world: tuple[Scene, CameraTrace], budget: FrameBudget
 ) -> None:
-    """A log is of the budget's frames unless others are asked for."""
+    """A log is of the budget's half second unless another stretch is asked for: 4 ms a frame."""
     log = replay_policy(Full, *world, replace(budget, seed=4))
-    assert (len(log), log.header.seed, log.header.budget_ms) == (60, 4, 4.5)
-    log = replay_policy(Full, *world, budget, seed=9, frames=7)
-    assert (len(log), log.header.seed) == (7, 9)
-    refresh = replay_policy("full", *world, replace(budget, budget_ms=None, frames=2))
+    assert (log.header.trace, log.header.seed, log.header.budget_ms) == ("by-hand 0:0.5 s", 4, 4.5)
+    assert log["input_ns"][-1] == pytest.approx(0.5e9, abs=4e6)
+    log = replay_policy(Full, *world, budget, seed=9, seconds=(0.2, 0.3))
+    assert (log.header.trace, log.header.seed) == ("by-hand 0.2:0.3 s", 9)
+    assert log["input_ns"][-1] == pytest.approx(0.1e9, abs=4e6)
+    refresh = replay_policy("full", *world, replace(budget, budget_ms=None))
     assert refresh.header.budget_ms == pytest.approx(1e3 / 60.0)
 
 

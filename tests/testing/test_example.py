@@ -17,7 +17,7 @@ EXAMPLE = ROOT / "docs" / "examples" / "my-engine"
 GUIDE = ROOT / "docs" / "ci.md"
 CHECK = [
     *("lodbench", "check", "--policy", "lod_policy.py:FinestThatFits"),
-    *("--trace", "tour", "--trace", "sudden-turn", "--frames", "1000"),
+    *("--trace", "tour", "--trace", "sudden-turn", "--seconds", "4:12"),
     *("--limits", "limits.toml", "--baseline", "baseline.json"),
 ]
 

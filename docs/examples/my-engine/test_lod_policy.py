@@ -23,7 +23,7 @@ def test_properties(policy_factory: type[FinestThatFits], check_property: Proper
 
 def test_full_detail_where_there_is_time(replay: Callable[..., FrameLog]) -> None:
     """A view along the edge of the plaza is drawn in full."""
-    log = replay(FinestThatFits, frames=100)
+    log = replay(FinestThatFits, seconds=(0.0, 1.5))
     assert (log["benefit"] >= 0.999 * log["full_benefit"]).all()
 
 

@@ -116,9 +116,9 @@ def studies(
 def test_chances_are_not_overconfident(policies: int) -> None:
     """In each bin the best is right as often as said, less five points, near equals or far apart.
 
-    A standard error of a paired difference is .13; policies differ by .1 to 1.
+    A standard error of a paired difference is .13; policies differ by .05 to .3.
     """
-    found = [of for spread in (0.1, 0.3, 1.0) for of in studies(policies, spread, 120)]
+    found = [of for spread in (0.05, 0.1, 0.3) for of in studies(policies, spread, 160)]
     said = np.array([of[0] for of in found])
     right = np.array([of[1] for of in found])
     within_said = np.concatenate([of[2] for of in found])
@@ -127,11 +127,11 @@ def test_chances_are_not_overconfident(policies: int) -> None:
         for low, high in ((0.5, 0.7), (0.7, 0.9), (0.9, 1.01)):
             inside = (claims >= low) & (claims < high)
             count = int(inside.sum())
-            assert count >= 30
-            noise = 2 * math.sqrt(0.25 / count) if claims is said else 0.0
+            assert count >= 20
+            noise = math.sqrt(0.25 / count) if claims is said else 0.0
             assert claims[inside].mean() - truths[inside].mean() < 0.05 + noise
     # Nor does it say nothing: where policies differ, it says so.
-    assert (said > 0.9).mean() > 0.2
+    assert (said > 0.9).mean() > 0.05
 
 
 def test_of_many_equals_none_is_the_best() -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lodbench.analysis.verdict.criterion import Criterion
 from lodbench.analysis.verdict.ranking import RankGroup, ranking
@@ -88,9 +89,9 @@ def test_order_of_input_does_not_matter() -> None:
     values = np.round(rng.gamma(4, size=(12, 1)) + 0.3 * rng.standard_normal((3, 12, 8)), 1) + 5
     values[:, 3] = values[:, 8]  # identical policies too
 
-    def groups(order: np.ndarray) -> tuple[RankGroup, ...]:
+    def groups(order: NDArray[np.int64]) -> tuple[RankGroup, ...]:
         criteria = [Criterion(name, of[order]) for name, of in zip("epw", values, strict=True)]
-        return ranking([labels[i] for i in order], criteria)
+        return ranking([f"policy-{i}" for i in order], criteria)
 
     expected = groups(np.arange(12))
     assert sorted(label for group in expected for label in group.members) == sorted(labels)

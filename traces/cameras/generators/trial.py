@@ -14,13 +14,13 @@ dash           2     runs ahead
 
 The times are those of a path of 12 s; others scale.  Order, places and speeds are drawn by seed.
 The view is of little load or of much: ramps, steps and turns change which, so they are drawn in an
-order in which a step up comes where load is little.  No part begins with a jump but the steps.
-Between the two views there is always something to be seen, by the shorter or by the longer way.
+order in which a step up comes where load is little, and the edge where it is much.  No part begins
+with a jump but the steps.  Between the two views there is always something to be seen.
 Sudden turns are those of Gobbetti and Bouvier, "Time-critical multiresolution rendering of large
 complex models", section 5; the other parts, and all numbers, are assumed.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
@@ -44,7 +44,7 @@ PARTS_S = {"rest": 2, "ramp": 3, "up": 1, "down": 1, "edge": 2, "turn": 1, "dash
 _PLACES = 48  # that are looked at for those that contrast most
 _CHOICE = 12  # of which some are taken by chance
 _APART = HEADINGS // 6  # least turn between little and much: 60 degrees
-_EDGE = HEADINGS // 8  # most turn across an edge: 45 degrees
+_EDGE = HEADINGS // 4  # most turn across an edge: 90 degrees
 _EDGE_SHARE = 0.35  # of the difference of load, which goes over the edge
 _SWAY_M = 0.5
 _SLOWEST = 0.7  # of the largest speeds, from which on speeds are drawn
@@ -63,14 +63,14 @@ class _Views:
     heading_rad : (2,)
         Not wrapped: from one to the other there is something to be seen all the way.
     load : (2,)
-    edge_rad : (2,)
-        Turn from each view over the edge of what is dense.
+    edge_rad : float
+        Turn from the view of much over the edge of what is dense.
     """
 
     eye_m: FloatArray
     heading_rad: FloatArray
     load: FloatArray
-    edge_rad: FloatArray
+    edge_rad: float
 
 
 @dataclass(slots=True)
@@ -128,27 +128,32 @@ def trial_path(
     camera, jumps = _Camera.at(start, much=much), False
     plan, heading = np.empty((len(times_s), 2)), np.empty(len(times_s))
     cut = np.zeros(len(times_s), dtype=np.bool_)
-    scale, begin_s = float(times_s[-1]) / LENGTH_S, 0.0
-    for part in order:
-        length_s = PARTS_S[part] * scale
+    for part, begin_s, end_s in _timetable(order, float(times_s[-1])):
+        length_s = end_s - begin_s
         if part in ("up", "down"):
             camera, jumps = _Camera.at(others.pop(), much=part == "up"), True
         motion = _MOVES[part](camera, _Part(rng, load, limits, length_s))
-        after = np.inf if part == order[-1] else begin_s + length_s
+        after = np.inf if part == order[-1] else end_s
         rows = np.flatnonzero((times_s >= begin_s) & (times_s < after))
         plan[rows], heading[rows] = motion(np.minimum(times_s[rows] - begin_s, length_s))
         if len(rows):
             cut[rows[0]], jumps = jumps and rows[0] > 0, False
         (camera.eye_m,), (camera.heading_rad,) = motion(np.array([length_s]))
-        begin_s += length_s
     return plan, heading, cut
 
 
 def parts_of(seed: int, duration_s: float = LENGTH_S) -> list[tuple[str, float, float]]:
     """Return the parts of a trial in their order: what, from and to (s)."""
     _, order = _draw_order(np.random.default_rng(np.random.SeedSequence(seed)))
-    ends = np.cumsum([PARTS_S[part] for part in order]) * duration_s / LENGTH_S
-    return list(zip(order, [0.0, *ends[:-1].tolist()], ends.tolist(), strict=True))
+    return list(_timetable(order, duration_s))
+
+
+def _timetable(order: Sequence[str], duration_s: float) -> Iterator[tuple[str, float, float]]:
+    begin_s = 0.0
+    for part in order:
+        end_s = begin_s + PARTS_S[part] * duration_s / LENGTH_S
+        yield part, begin_s, end_s
+        begin_s = end_s
 
 
 def _draw_order(rng: Generator) -> tuple[bool, list[str]]:
@@ -157,7 +162,8 @@ def _draw_order(rng: Generator) -> tuple[bool, list[str]]:
         first = much = bool(rng.integers(2))
         order: list[str] = rng.permutation(list(PARTS_S)).tolist()
         for part in order:
-            if (part == "up" and much) or (part == "down" and not much):
+            # From a view of little, the edge of what is dense may be too far to reach in time.
+            if (part == "up" and much) or (part in ("down", "edge") and not much):
                 break
             much ^= part in ("ramp", "up", "down", "turn")
         else:
@@ -169,7 +175,7 @@ def _draw_places(rng: Generator, load: LoadMap) -> list[_Views]:
     eyes = [load.draw_eye(rng) for _ in range(_PLACES)]
     views = [view for eye in eyes if (view := _look(load, eye)) is not None]
     if not views:
-        middle = _Views(0.5 * (load.low_m + load.high_m), np.zeros(2), np.zeros(2), np.zeros(2))
+        middle = _Views(0.5 * (load.low_m + load.high_m), np.zeros(2), np.zeros(2), 0.0)
         return 3 * [middle]
     views.sort(key=lambda view: view.load[0] - view.load[1])
     best = views[:_CHOICE]
@@ -188,9 +194,8 @@ def _look(load: LoadMap, eye_m: FloatArray) -> _Views | None:
     turn = min(far, key=lambda steps: total[(much + steps) % HEADINGS])
     steps = np.array((turn, 0))
     seen = total[(much + steps) % HEADINGS]
-    edges = [_edge(total, much + turn, -turn), _edge(total, much, turn)]
     step_rad = 2.0 * np.pi / HEADINGS
-    return _Views(eye_m, (much + steps) * step_rad, seen, np.array(edges) * step_rad)
+    return _Views(eye_m, (much + steps) * step_rad, seen, _edge(total, much, turn) * step_rad)
 
 
 def _turns(sure: FloatArray, much: int, way: int) -> list[int]:
@@ -235,11 +240,10 @@ def _turned(camera: _Camera, part: _Part, time_s: float) -> _Motion:
 
 def _to_and_fro(camera: _Camera, part: _Part) -> _Motion:
     period_s = part.length_s / int(part.rng.integers(2, 4))
-    angle = float(camera.views.edge_rad[int(camera.much)])
     most = np.radians(part.limits.turn_deg_s) * period_s / np.pi
     ahead, room_m = part.load.lanes(camera.eye_m, camera.heading_rad)[0]
     sway_m = min(_SWAY_M, room_m, part.limits.speed_m_s * period_s / np.pi)
-    turn = float(np.clip(angle, -most, most))
+    turn = float(np.clip(camera.views.edge_rad, -most, most))
     return _moved(camera, sway_m * ahead, turn, partial(_ease, 0.5 * period_s))
 
 

@@ -15,7 +15,7 @@ DEEDS: Any = load_file(FILE, "policies").DEEDS
 NAMES = [
     pytest.param(name, marks=() if deed.quick else pytest.mark.slow) for name, deed in DEEDS.items()
 ]
-COMPARE = ["compare", "--trace", "walk", "--frames", "80", "--resamples", "10", "--json"]
+COMPARE = ["compare", "--trace", "walk", "--seconds", "0:2", "--json"]
 OTHERS = ("full", "static-screen")
 
 

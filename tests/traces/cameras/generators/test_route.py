@@ -77,3 +77,12 @@ def test_no_way_is_refused(points: np.ndarray, other: dict[str, float]) -> None:
     """Too few points, no length, no speed, no time."""
     with pytest.raises(InputError, match="route: expected"):
         route(points, **other)
+
+
+def test_a_start_is_a_share_of_the_round_or_of_there_and_back() -> None:
+    """Half way round a square is its far corner; .75 of there and back is half way back."""
+    far = route(SQUARE, start=0.5)
+    assert far.position_m[0, :2] == pytest.approx([40.0, 40.0], abs=0.6)
+    back = route(CORNER, start=0.75)
+    assert back.position_m[0, :2] == pytest.approx([25.0, 0.0], abs=0.5)
+    assert view_direction(back.orientation_xyzw)[0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-3)
