@@ -66,11 +66,15 @@ class Rule:
     trace: str = "*"
 
     def covers(self, policy: str, scene: str, trace: str) -> bool:
-        """Whether the rule is for these names; a policy also goes by what is before its colon."""
+        """Whether the rule is for these names.
+
+        A policy also goes by what is before its colon, a path by what is before its first space:
+        which stretch of it is replayed is said behind that.
+        """
         return (
             any(fnmatchcase(name, self.policy) for name in (policy, policy.partition(":")[0]))
             and fnmatchcase(scene, self.scene)
-            and fnmatchcase(trace, self.trace)
+            and any(fnmatchcase(name, self.trace) for name in (trace, trace.partition(" ")[0]))
         )
 
 

@@ -6,6 +6,7 @@ is judged in two parts, (share of paths with any) × (share given any).  Where n
 the number of paths speaks (Clopper and Pearson), as another may miss all its time.
 """
 
+from functools import cache
 from math import ceil, log, log1p
 
 import numpy as np
@@ -16,7 +17,7 @@ from .intervals import relative_spread, such_paths
 from .metric_kinds import Kind
 from .paired import FAIL_ALPHA, PASS_LEVEL, Evidence, by_t, needed_replicates
 
-_QUANTILES = (np.arange(1 << 15) + 0.5) / (1 << 15)  # of the share of paths, for p down to .0001
+_QUANTILES = (np.arange(8192) + 0.5) / 8192  # of the share of paths, for p down to .0002
 
 
 def at_most(
@@ -55,10 +56,18 @@ def _p(n: int, some: FloatArray, most: float, limit: float) -> float:
     k = len(some)
     error = relative_spread(some)[1] if k > 1 else 1.0  # as in `such_paths`
     everywhere = k == n and most == np.inf
-    share = np.ones(1) if everywhere else betaincinv(k + 0.5, n - k + 0.5, _QUANTILES)
+    share = np.ones(1) if everywhere else _shares(k, n)
     room = limit / share  # what the mean of the paths with any may be
     with np.errstate(divide="ignore"):  # no room at all: certainly beyond
         above = np.log(room / some.mean())
     t = above / error if error > 0.0 else np.where(above >= 0.0, np.inf, -np.inf)
     within = np.asarray(stdtr(max(k - 1, 1), t), dtype=np.float64)
     return float(np.where(room >= most, 1.0, within).mean())
+
+
+@cache
+def _shares(k: int, n: int) -> FloatArray:
+    """Return quantiles of the share of such paths with any, of which k of n had (Jeffreys)."""
+    found: FloatArray = betaincinv(k + 0.5, n - k + 0.5, _QUANTILES)
+    found.flags.writeable = False
+    return found

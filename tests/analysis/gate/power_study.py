@@ -42,7 +42,7 @@ frame_ms_mean = { max_increase = "2.5%" }
 lag_ms_mean = { max_increase = "2.5%" }
 """
 )
-PATHS, PATH_S, BIAS, BUDGET_MS, WARMUP_S = 4, 2.5, 2.0, 16.7, 0.5
+PATHS, PATH_S, BIAS, BUDGET_MS, WARMUP_S = 4, 4.0, 2.0, 16.7, 1.0
 SEEDS = MeasureOptions().seeds
 POLICY = StaticScreen(bias=BIAS)
 
@@ -75,7 +75,7 @@ def machine(slower: float = 1.0) -> HardwareProfile:
         CostModel.of(4.0 * slower, {"triangles": 2e-4 * slower}),
         CpuCostModel.of(2.0, {}),
         load_hardware("llvmpipe").gpu_residual,
-        display=Display(mode="immediate"),
+        display=Display(mode="vsync"),
     )
 
 

@@ -54,6 +54,9 @@ def test_limits_for_everything_and_for_some() -> None:
         *general,
         "toggles_per_s max 0.4, such-paths",
     ]
+    assert texts(FILE, "feedback", "yard", "dash-0 5:20 s") == texts(
+        FILE, "feedback", "yard", "dash-0"
+    )
     assert texts(FILE, "pid", "plaza", "tour")[-2:] == [
         "benefit_ratio min 0.9, such-paths",
         "benefit_ratio max_decrease 0.01, this-path",
