@@ -199,8 +199,10 @@ def check(
     *,
     limits: str | Path | None = None,
     baseline: str | Path = "baseline.json",
-    scenes: SceneLike | Sequence[SceneLike] = "plaza",
-    traces: TraceLike | Sequence[TraceLike] = "tour",
+    allow_new: bool = False,
+    scenes: SceneLike | Sequence[SceneLike] = "district",
+    traces: TraceLike | Sequence[TraceLike] = "trial",
+    paths: int = 4,
     hardware: HardwareLike = "desktop-assumed",
     budget_ms: float | None = None,
     seed: int = 0,
@@ -208,7 +210,11 @@ def check(
     seconds: Seconds = WHOLE,
     warmup_s: float = 1.0,
     visible_px: float = 1.0,
-    draws: int = 16,
+    fovy_deg: float = 60.0,
+    crossfade_ms: float = 0.0,
+    measurement_delay: int = 0,
+    faults: Faults | None = None,
+    memory_bytes: float | None = None,
     place: str = "shrink",
     workers: int = 1,
     scheduler: str | None = None,
@@ -221,43 +227,60 @@ def check(
     Parameters
     ----------
     limits
-        TOML file; None for the 95th percentile of the work time within the budget and, if there is
-        a baseline, the 99th of the work time at most 2.5 % up.
-    budget_ms, seconds, warmup_s, visible_px, workers, scheduler, policy_timeout_s,
-    policy_memory_bytes
+        TOML file; None for the 99th percentile of the work time within the budget on such paths
+        and, if there is a baseline, at most 2.5 % up on these.
+    allow_new
+        What the baseline lacks passes.
+    paths
+        Of a kind of movement, each by a seed of its own.
+    seeds
+        Replays of each policy on each path.
+    seconds
+        The stretch of each path that is replayed, (start, end).
+    budget_ms, warmup_s, visible_px, workers, scheduler, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
 
-    Raises `InputError` if something cannot be loaded, or the baseline is of other conditions.
+    Raises `InputError` if something cannot be loaded, the baseline is of other conditions, or paths
+    and budget cannot tell a good policy from a bad one.
     """
     from .gate.check import CheckPlan, judge_measured, measure_plan
     from .gate.limits_file import choose_limits
     from .gate.measurements import MeasureOptions
     from .study.engine.limits import Limits
+    from .study.engine.open_engine import prepare_engine
 
     chosen = choose_limits(None if limits is None else Path(limits), Path(baseline))
     plan = CheckPlan(
         policies=policies,
         scenes=_several(scenes),
         traces=_several(traces),
+        paths=paths,
         hardware=hardware,
         budget_ms=budget_ms,
         seed=seed,
         seconds=seconds,
         warmup_s=warmup_s,
         visible_px=visible_px,
+        fovy_deg=fovy_deg,
+        crossfade_ms=crossfade_ms,
+        measurement_delay=measurement_delay,
+        faults=faults,
+        memory_bytes=memory_bytes,
         place=place,
     )
     options = MeasureOptions(
         seeds=seeds,
-        draws=draws,
         workers=workers,
         policy_limits=Limits(timeout_s=policy_timeout_s, memory_bytes=policy_memory_bytes),
         scheduler=scheduler,
     )
+    prepare_engine(scheduler)
     conditions, measured = measure_plan(plan, options)
-    return judge_measured(chosen, measured, conditions, Path(baseline), strict=strict)
+    return judge_measured(
+        chosen, measured, conditions, Path(baseline), strict=strict, allow_new=allow_new
+    )
 
 
 def register(name: str, thing: Any) -> None:

@@ -6,6 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Exit, Option
 
+from .compare import (
+    CrossfadeMs,
+    Display,
+    FaultyTimers,
+    FramesInFlight,
+    MeasurementDelay,
+    Memory,
+    RefreshHz,
+)
 from .shared import options
 from .shared.progress import progress_bar
 from .shared.terminal import print_record, print_result
@@ -25,23 +34,24 @@ Run = Annotated[
 LimitsFile = Annotated[
     Path | None,
     Option(
-        help="Limits in TOML; else work_ms_p95 within the budget, and, with a baseline, "
-        "work_ms_p99 at most 2.5% up."
+        help="Limits in TOML; else work_ms_p99 within the budget on such paths, and, with a "
+        "baseline, work_ms_p99 at most 2.5% up on these."
     ),
 ]
 Scenes = Annotated[list[str] | None, Option(help="A bundled scene or a file; may be repeated.")]
-Traces = Annotated[
-    list[str] | None, Option(help="`tour`, a kind of movement, or a file; may be repeated.")
-]
+Paths = Annotated[int, Option(help="Paths of a kind of movement, each by a seed of its own.")]
 Baseline = Annotated[Path, Option(help="What relative limits are compared with.")]
 UpdateBaseline = Annotated[
     bool, Option("--update-baseline", help="Write the baseline instead of judging.")
+]
+AllowNew = Annotated[
+    bool, Option("--allow-new", help="What the baseline lacks passes, and is said to be new.")
 ]
 Strict = Annotated[bool, Option("--strict", help="An undecided limit fails the check.")]
 JUnit = Annotated[Path | None, Option(metavar="FILE", help="Write JUnit XML.")]
 GitHub = Annotated[bool, Option("--github", help="Print annotations for GitHub Actions too.")]
 FirstSeed = Annotated[int, Option(help="The first seed.")]
-Seeds = Annotated[int, Option(help="Replays of each policy, a seed each.")]
+Seeds = Annotated[int, Option(help="Replays of each policy on each path, a seed each.")]
 
 
 def check(
@@ -50,35 +60,46 @@ def check(
     limits: LimitsFile = None,
     policy: options.Policies = None,
     scene: Scenes = None,
-    trace: Traces = None,
+    trace: options.Traces = None,
+    paths: Paths = 4,
+    seconds: options.Seconds = "0:",
+    warmup: options.Warmup = 1.0,
     hardware: options.Hardware = "desktop-assumed",
     baseline: Baseline = Path("baseline.json"),
     update_baseline: UpdateBaseline = False,
+    allow_new: AllowNew = False,
     strict: Strict = False,
     junit: JUnit = None,
     github: GitHub = False,
     as_json: options.AsJson = False,
     budget_ms: options.BudgetMs = None,
+    visible: options.Visible = 1.0,
     seed: FirstSeed = 0,
     seeds: Seeds = 4,
-    seconds: options.Seconds = "0:",
-    warmup_s: options.Warmup = 1.0,
-    visible_px: options.Visible = 1.0,
-    draws: options.Draws = 16,
     place: options.Place = "shrink",
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
+    display: Display = None,
+    refresh_hz: RefreshHz = None,
+    frames_in_flight: FramesInFlight = None,
+    fovy_deg: options.FovyDeg = 60.0,
+    crossfade_ms: CrossfadeMs = 0.0,
+    measurement_delay: MeasurementDelay = 0,
+    faults: FaultyTimers = "",
+    memory: Memory = None,
 ) -> None:
-    """Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input."""
-    from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan
+    """Judge policies by limits on their metrics: 0 passed, 1 failed, 2 bad input."""
+    from ..analysis.gate.check import CheckPlan, judge_measured, measure_plan, require_load
     from ..analysis.gate.limits_file import choose_limits
-    from ..analysis.gate.measurements import MeasureOptions, measure_run
+    from ..analysis.gate.measurements import MeasureOptions
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
-    from ..analysis.study.inputs import parse_seconds
+    from ..analysis.study.inputs import adjust_machine, parse_seconds
     from ..base.files.writable import require_file_writable
+    from ..models.machine.profile_catalog import load_hardware
+    from ..sim.faults import parse_faults
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if update_baseline:
@@ -86,23 +107,30 @@ def check(
     elif junit is not None:
         require_file_writable(junit, make_parents=True)
     if run is not None:
+        from ..analysis.gate.stored_run import measure_run
+
         conditions, measured = measure_run(run)
     else:
         plan = CheckPlan(
             policies=tuple(policy or ()),
-            scenes=tuple(scene or ("plaza",)),
-            traces=tuple(trace or ("tour",)),
-            hardware=hardware,
+            scenes=tuple(scene or ("district",)),
+            traces=tuple(trace or ("trial",)),
+            paths=paths,
+            hardware=adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight),
             budget_ms=budget_ms,
             seed=seed,
             seconds=parse_seconds(seconds),
-            warmup_s=warmup_s,
-            visible_px=visible_px,
+            warmup_s=warmup,
+            visible_px=visible,
+            fovy_deg=fovy_deg,
+            crossfade_ms=crossfade_ms,
+            measurement_delay=measurement_delay,
+            faults=parse_faults(faults),
+            memory_bytes=memory,
             place=place,
         )
         sampling = MeasureOptions(
             seeds=seeds,
-            draws=draws,
             workers=workers,
             policy_limits=make_limits(policy_timeout, policy_memory),
             scheduler=scheduler,
@@ -111,9 +139,12 @@ def check(
         with progress_bar("replay") as progress:
             conditions, measured = measure_plan(plan, sampling, progress)
     if update_baseline:
+        require_load(measured, conditions.budget_ms)
         _update(baseline, chosen, conditions, measured, as_json=as_json)
         return
-    report = judge_measured(chosen, measured, conditions, baseline, strict=strict)
+    report = judge_measured(
+        chosen, measured, conditions, baseline, strict=strict, allow_new=allow_new
+    )
     _print(report, limits, as_json=as_json, github=github)
     if junit is not None:
         from ..analysis.gate.junit import write_junit

@@ -100,7 +100,7 @@ def stress(
 
     def write() -> None:
         write_trace(worst.trace, out)
-        _write_limits(limits_file, metric, policy)
+        _write_limits(limits_file, kinds.GUARD_OF[aim], policy)
 
     unwritten = failure_of(write)
     check = ["lodbench", "check", "--policy", policy, "--scene", scene, "--trace", str(out)]
@@ -140,6 +140,6 @@ def _write_limits(path: Path, metric: str, policy: str) -> None:
 
     text = (
         f"# Found by `lodbench stress {policy}`: the path must not become worse than it is.\n"
-        f'[limits]\n{metric} = {{ max_increase = "5%" }}\n'
+        f'[limits]\n{metric} = {{ max_increase = "5%", population = "this-path" }}\n'
     )
     write_whole(path, text)

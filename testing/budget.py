@@ -30,26 +30,38 @@ class FrameBudget:
     limits : Path or None
         TOML file; None for the budget alone.
     baseline : Path
+    paths : int
+        Paths of a kind of movement.
+    seeds : int
+        Replays on each path.
+    seconds : (start, end)
+        Stretch of each path that is replayed; an end of None is the path's.
+    strict : bool
+        What is undecided fails.
+    allow_new : bool
+        What the baseline lacks passes.
     """
 
     limits: Path | None = None
     baseline: Path = Path("baseline.json")
     hardware: str | HardwareProfile = "desktop-assumed"
     budget_ms: float | None = None
+    paths: int = 4
     seed: int = 0
     seeds: int = 4
     seconds: Seconds = WHOLE
     warmup_s: float = 1.0
     strict: bool = False
+    allow_new: bool = False
 
 
 def assert_budget(
     policy: str | type[Any],
-    scene: str | Scene = "plaza",
-    trace: str | CameraTrace = "tour",
+    scene: str | Scene = "district",
+    trace: str | CameraTrace = "trial",
     budget: FrameBudget | None = None,
 ) -> None:
-    """Assert that a policy keeps its limits in a scene on a trace.
+    """Assert that a policy keeps its limits in a scene, on a trace or on paths of a kind.
 
     The message of a failure is what `lodbench check` prints of it; what is undecided is a warning.
 
@@ -58,7 +70,7 @@ def assert_budget(
     AssertionError
         If a limit fails, or with `strict` is undecided.
     InputError
-        If a name, file or limit cannot be used.
+        If a name, file or limit cannot be used, or nothing there could break the budget.
     """
     __tracebackhide__ = True  # for pytest: the message says all
     chosen = budget or FrameBudget()
@@ -67,6 +79,7 @@ def assert_budget(
         policies=(name_policy(policy),),
         scenes=(scene,),
         traces=(trace,),
+        paths=chosen.paths,
         hardware=chosen.hardware,
         budget_ms=chosen.budget_ms,
         seed=chosen.seed,
@@ -74,7 +87,14 @@ def assert_budget(
         warmup_s=chosen.warmup_s,
     )
     conditions, measured = measure_plan(plan, MeasureOptions(seeds=chosen.seeds))
-    report = judge_measured(limits, measured, conditions, chosen.baseline, strict=chosen.strict)
+    report = judge_measured(
+        limits,
+        measured,
+        conditions,
+        chosen.baseline,
+        strict=chosen.strict,
+        allow_new=chosen.allow_new,
+    )
     if not report.passed:
         raise AssertionError(describe_failures(report))
     for verdict in report.verdicts:
@@ -84,8 +104,8 @@ def assert_budget(
 
 def replay_policy(
     policy: str | type[Any],
-    scene: str | Scene = "plaza",
-    trace: str | CameraTrace = "tour",
+    scene: str | Scene = "district",
+    trace: str | CameraTrace = "trial",
     budget: FrameBudget | None = None,
     *,
     seed: int | None = None,

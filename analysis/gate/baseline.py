@@ -21,18 +21,20 @@ _UPDATE = "write it again with `lodbench check --update-baseline`"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A metric of a policy, scene and trace: its mean, and its value under each seed."""
+    """One path of a policy in a scene: its content, and values by metric, one a seed."""
 
-    value: float
-    by_seed: list[float]
+    path: str
+    hash: str
+    metrics: dict[str, list[float | None]]
 
 
 @dataclass(frozen=True, slots=True)
-class _Case:
+class Case:
+    """A policy in a scene, by path."""
+
     policy: str
     scene: str
-    trace: str
-    metrics: dict[str, Entry]
+    paths: list[Entry]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,34 +45,44 @@ class Baseline:
     """
 
     conditions: Conditions
-    cases: list[_Case] = field(default_factory=list[_Case])
+    cases: list[Case] = field(default_factory=list[Case])
     schema: Literal["lodbench.baseline/2"] = _SCHEMA
 
-    def find(self, measured: MeasuredPolicy, metric: str) -> tuple[float, FloatArray] | None:
-        """Return a metric's mean and its values by seed, None if the baseline lacks it."""
-        for case in self.cases:
-            if (case.policy, case.scene, case.trace) == measured.case and metric in case.metrics:
-                entry = case.metrics[metric]
-                return entry.value, np.array(entry.by_seed)
-        return None
+    def find(self, measured: MeasuredPolicy, at: int, metric: str) -> FloatArray | str:
+        """Return a metric on one of a policy's paths, (S,) by seed, or why there is none."""
+        name, digest = measured.paths[at], measured.hashes[at]
+        case = next(
+            (c for c in self.cases if (c.policy, c.scene) == (measured.policy, measured.scene)),
+            None,
+        )
+        if case is None:
+            return f"the baseline has no {measured.policy} in {measured.scene}"
+        entry = next((path for path in case.paths if path.path == name), None)
+        if entry is None:
+            return f"the baseline has no path {name}"
+        if entry.hash != digest:
+            return f"the baseline's path {name} is another"
+        if metric not in entry.metrics:
+            return f"the baseline has no {metric}"
+        return np.array(entry.metrics[metric], dtype=np.float64)
 
 
 def make_baseline(
     conditions: Conditions, measured: Iterable[MeasuredPolicy], limits: LimitRules
 ) -> Baseline:
     """Return the baseline that the relative limits need; policies without scores are left out."""
-    cases: list[_Case] = []
+    cases: list[Case] = []
     for item in measured:
-        wanted = sorted({limit.metric for limit in limits.of(*item.case) if limit.relative})
-        entries: dict[str, Entry] = {}
-        for metric in wanted:
-            score = item.scores.get(metric)
-            values = [value for value in item.by_seed.get(metric, []) if value is not None]
-            if score is not None and score.value is not None and len(values) == conditions.seeds:
-                entries[metric] = Entry(score.value, values)
+        entries: list[Entry] = []
+        for name, digest, seeds in zip(item.paths, item.hashes, item.runs, strict=False):
+            chosen = limits.of(item.policy, item.scene, name)
+            wanted = sorted({limit.metric for limit in chosen if limit.relative})
+            metrics = {metric: [run.values[metric] for run in seeds] for metric in wanted}
+            if metrics:
+                entries.append(Entry(name, digest, metrics))
         if entries:
-            cases.append(_Case(*item.case, entries))
-    return Baseline(conditions, sorted(cases, key=lambda c: (c.scene, c.trace, c.policy)))
+            cases.append(Case(item.policy, item.scene, entries))
+    return Baseline(conditions, sorted(cases, key=lambda case: (case.scene, case.policy)))
 
 
 def write_baseline(path: Path, baseline: Baseline) -> None:
@@ -83,7 +95,7 @@ def write_baseline(path: Path, baseline: Baseline) -> None:
 def read_baseline(path: Path, conditions: Conditions) -> Baseline:
     """Read a baseline of a measurement under these conditions.
 
-    Raises `InputError` if it is missing, not a baseline, or of other conditions.
+    Raises `InputError` if it cannot be read, is no baseline, or of other conditions.
     """
     baseline = read_json(path, Baseline, _SCHEMA, _UPDATE)
     for item in fields(Conditions):
@@ -94,16 +106,13 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
                 "it was measured",
                 path=path,
             )
-    short = [
-        metric
-        for case in baseline.cases
-        for metric, entry in case.metrics.items()
-        if len(entry.by_seed) != conditions.seeds
-    ]
-    if short:
-        raise InputError(
-            f"expected {conditions.seeds} values of {short[0]}, a seed each, got another number; "
-            f"{_UPDATE}",
-            path=path,
-        )
+    entries = [entry for case in baseline.cases for entry in case.paths]
+    for entry in entries:
+        for metric, values in entry.metrics.items():
+            if len(values) != conditions.seeds:
+                raise InputError(
+                    f"expected {conditions.seeds} values of {metric} on {entry.path}, a seed each, "
+                    f"got {len(values)}; {_UPDATE}",
+                    path=path,
+                )
     return baseline

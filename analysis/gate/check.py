@@ -1,12 +1,12 @@
 """Run what a check asks for and judge it: the one path of the command and of failing tests."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...base.errors import InputError
 from ...policies.registry import PolicyLikes, specs_of
+from ...sim.faults import Faults
 from ...sim.replay import ReplayOptions
 from ..study.inputs import (
     WHOLE,
@@ -16,10 +16,10 @@ from ..study.inputs import (
     TraceLike,
     as_hardware,
     as_scene,
-    as_trace,
 )
+from ..study.paths import load_paths
 from ..study.runs import Progress
-from ..study.score import World
+from ..verdict.warnings import find_warnings
 from .baseline import read_baseline
 from .check_result import CheckReport, judge_all
 from .limits import LimitRules
@@ -28,16 +28,18 @@ from .measurements import Conditions, MeasuredPolicy, MeasureOptions, measure
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckPlan:
-    """What is replayed: every policy in every scene on every trace.
+    """What is replayed: every policy in every scene on every path, as it is given.
 
     Attributes
     ----------
     policies : by name, class, object, or a mapping of labels to these
     scenes, traces, hardware : bundled names, files, or what was loaded from them
+    paths : int
+        Paths of a kind of movement, each by a seed of its own.
     budget_ms : float or None
         None for one refresh of the display.
     seconds : (start, end)
-        The stretch of each trace that is replayed; the end is None for the trace's.
+        Stretch of each path that is replayed; an end of None is the path's.
     warmup_s : float
         Seconds at the start of it that do not count.
     place : str
@@ -45,14 +47,20 @@ class CheckPlan:
     """
 
     policies: PolicyLikes
-    scenes: tuple[SceneLike, ...] = ("plaza",)
-    traces: tuple[TraceLike, ...] = ("tour",)
+    scenes: tuple[SceneLike, ...] = ("district",)
+    traces: tuple[TraceLike, ...] = ("trial",)
+    paths: int = 4
     hardware: HardwareLike = "desktop-assumed"
     budget_ms: float | None = None
     seed: int = 0
     seconds: Seconds = WHOLE
     warmup_s: float = 1.0
     visible_px: float = 1.0
+    fovy_deg: float = 60.0
+    crossfade_ms: float = 0.0
+    measurement_delay: int = 0
+    faults: Faults | None = None
+    memory_bytes: float | None = None
     place: str = "shrink"
 
 
@@ -61,37 +69,65 @@ def measure_plan(
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
     """Replay a plan.
 
-    Raises `InputError` if a name is unknown, a file cannot be read, or two scenes or traces have
-    one name.
+    Raises `InputError` if a name is unknown, a file cannot be read, or two scenes have one name.
     """
     if not plan.policies:
         raise InputError("policy: expected the policies to check, got none; name one")
     profile = as_hardware(plan.hardware)
-    budget_ms = profile.budget_ms(plan.budget_ms)
-    options = ReplayOptions(budget_ms=budget_ms, seed=plan.seed, visible_px=plan.visible_px)
+    options = ReplayOptions(
+        budget_ms=profile.budget_ms(plan.budget_ms),
+        seed=plan.seed,
+        visible_px=plan.visible_px,
+        fovy_deg=plan.fovy_deg,
+        crossfade_ms=plan.crossfade_ms,
+        measurement_delay=plan.measurement_delay,
+        faults=plan.faults or Faults(),
+        memory_bytes=plan.memory_bytes,
+    )
     specs = specs_of(plan.policies)
-    results: dict[tuple[str, str], tuple[Conditions, list[MeasuredPolicy]]] = {}
-    for scene, item in product(map(as_scene, plan.scenes), plan.traces):
-        trace = as_trace(item, scene, plan.place)
-        names = (scene.name, trace.name)
-        if names in results:
-            raise InputError(f"expected scenes and traces of different names, got {names} twice")
-        path = trace.stretch(*plan.seconds)
-        world = World(scene, path, profile, options, plan.warmup_s)
-        share = progress and _share(progress, len(results), len(plan.scenes) * len(plan.traces))
-        conditions, measured = measure(specs, world, sampling, share)
-        # Limits name the path; which stretch of it is a condition, the same for all.
-        results[names] = (
-            replace(conditions, seconds=plan.seconds),
-            [replace(one, trace=trace.name) for one in measured],
+    scenes = [as_scene(scene) for scene in plan.scenes]
+    names = [scene.name for scene in scenes]
+    if len(set(names)) < len(names):
+        raise InputError(f"scene: expected scenes of different names, got {', '.join(names)}")
+    found: list[MeasuredPolicy] = []
+    conditions: Conditions | None = None
+    for at, scene in enumerate(scenes):
+        paths = load_paths(
+            plan.traces,
+            scene,
+            plan.place,
+            paths=plan.paths,
+            seconds=plan.seconds,
+            seed=plan.seed,
         )
-    conditions = next(iter(results.values()))[0]
-    return conditions, [item for _, measured in results.values() for item in measured]
+        share = progress and _share(progress, at, len(scenes))
+        conditions, measured = measure(
+            specs, scene, paths, profile, options, sampling, plan.warmup_s, share
+        )
+        found += measured
+    assert conditions is not None, "there is a scene"
+    return conditions, found
 
 
-def _share(progress: Progress, before: int, worlds: int) -> Progress:
-    """Return the progress of one of several worlds, all of which have as many replays."""
-    return lambda done, total: progress(before * total + done, worlds * total)
+def _share(progress: Progress, before: int, scenes: int) -> Progress:
+    """Return the progress of one of several scenes, all of which have as many replays."""
+    return lambda done, total: progress(before * total + done, scenes * total)
+
+
+def require_load(measured: Sequence[MeasuredPolicy], budget_ms: float) -> None:
+    """Raise `InputError` if nothing is in view on a path, or no policy could miss the budget.
+
+    A gate that watches an empty street passes whatever it is given.
+    """
+    by_scene: dict[str, MeasuredPolicy] = {}
+    for item in measured:  # an oracle of a comparison has fewer paths than others
+        known = by_scene.get(item.scene)
+        if item.runs and (known is None or len(item.runs) > len(known.runs)):
+            by_scene[item.scene] = item
+    for scene, item in by_scene.items():
+        footings = [seeds[0].footing for seeds in item.runs]
+        for warning in find_warnings(item.paths, footings, budget_ms, ()):
+            raise InputError(f"{scene}: {warning}")
 
 
 def judge_measured(
@@ -101,10 +137,15 @@ def judge_measured(
     baseline: Path,
     *,
     strict: bool = False,
+    allow_new: bool = False,
 ) -> CheckReport:
-    """Judge what was measured; the baseline is read if a limit needs it.
+    """Judge what was measured; the baseline is read if a limit needs it and there is one.
 
-    Raises `InputError` if it is needed and missing, or of other conditions.
+    Raises `InputError` if it cannot be read, or is of other conditions; if a limit has too few
+    paths or seeds; or if paths and budget tell nothing (`require_load`).
     """
-    stored = read_baseline(baseline, conditions) if limits.relative else None
-    return judge_all(limits, measured, conditions, stored, strict=strict)
+    require_load(measured, conditions.budget_ms)
+    stored = None
+    if limits.relative and baseline.exists():
+        stored = read_baseline(baseline, conditions)
+    return judge_all(limits, measured, conditions, stored, strict=strict, allow_new=allow_new)

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from ...base.html_table import html_table
+from ..verdict.paired import decide
 from .baseline import Baseline
-from .judgement import Outcome, Verdict, judge, judge_failure
+from .evidence import Question, find, questions_of
+from .judgement import Outcome, Verdict, conclude, judge_failure
 from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 
@@ -17,8 +19,8 @@ SCHEMA = "lodbench.check/2"
 
 
 _COLUMNS = (
-    *("policy", "scene", "trace", "metric", "outcome", "limit"),
-    *("value", "low", "high", "unit", "reason"),
+    *("policy", "scene", "metric", "population", "outcome", "limit"),
+    *("value", "bound", "unit", "p", "needed", "reason"),
 )
 
 
@@ -74,21 +76,51 @@ def judge_all(
     baseline: Baseline | None,
     *,
     strict: bool = False,
+    allow_new: bool = False,
 ) -> CheckReport:
-    """Judge every limit on everything measured, in the order of both."""
-    verdicts: list[Verdict] = []
-    for item in measured:
-        if item.reason is not None:
-            verdicts.append(judge_failure(item))
-            continue
-        chosen = limits.of(*item.case)
-        verdicts += [judge(limit, item, conditions, baseline) for limit in chosen]
-    unused = tuple(
-        f"policy {rule.policy}, scene {rule.scene}, trace {rule.trace}"
-        for rule in limits.rules
-        if rule.limits and not any(rule.covers(*item.case) for item in measured)
+    """Judge every limit on everything measured, all together, in the order of both.
+
+    Raises `InputError` if a limit has too few paths or seeds for its population.
+
+    Parameters
+    ----------
+    baseline
+        None where there is none: then what is relative to it fails.
+    allow_new
+        What the baseline lacks passes.
+    """
+    asked = [_questions(limits, item) for item in measured]
+    questions = [question for each in asked for question in each]
+    findings = [find(question, conditions, baseline, len(questions)) for question in questions]
+    judged = iter(
+        [
+            conclude(question, finding, judgement, conditions, allow_new=allow_new)
+            for question, finding, judgement in zip(
+                questions, findings, decide([one.evidence for one in findings]), strict=True
+            )
+        ]
     )
+    verdicts: list[Verdict] = []
+    for item, each in zip(measured, asked, strict=True):
+        verdicts += [judge_failure(item)] if item.reason is not None else []
+        verdicts += [next(judged) for _ in each]
+    unused = _unused(limits, measured)
     wrong = {"fails", "undecided"} if strict else {"fails"}
     passed = not any(verdict.outcome in wrong for verdict in verdicts)
     passed = passed and not (strict and (unused or not verdicts))
     return CheckReport(passed, strict, conditions, tuple(verdicts), unused)
+
+
+def _questions(limits: LimitRules, item: MeasuredPolicy) -> list[Question]:
+    if item.reason is not None:
+        return []
+    return questions_of(item, [limits.of(item.policy, item.scene, path) for path in item.paths])
+
+
+def _unused(limits: LimitRules, measured: Sequence[MeasuredPolicy]) -> tuple[str, ...]:
+    ran = [(item.policy, item.scene, path) for item in measured for path in item.paths]
+    return tuple(
+        f"policy {rule.policy}, scene {rule.scene}, trace {rule.trace}"
+        for rule in limits.rules
+        if rule.limits and not any(rule.covers(*names) for names in ran)
+    )

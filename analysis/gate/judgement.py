@@ -1,19 +1,21 @@
-"""Whether a limit holds, judged on the interval, and on the value where there is no interval."""
+"""The verdict on one limit, and what makes it plain."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ...base.arrays import FloatArray
-from .baseline import Baseline
+from ..metrics.metric_registry import find_metric
+from ..metrics.worst_moment import Moment
+from ..study.replays import noise_seed
+from ..verdict.paired import Judgement
+from .evidence import Finding, Question, allowed_of, amount_of, is_extreme, worst_of
 from .limits import Limit
-from .measurements import Conditions, MeasuredPolicy, interval
-from .worst_frame import WorstFrame, find_worst
+from .measurements import Conditions, MeasuredPolicy
 
 Outcome = Literal["passes", "fails", "undecided"]
-
-_MORE = "run more seeds"
+_OUTCOMES: dict[str, Outcome] = {"pass": "passes", "fail": "fails", "undecided": "undecided"}
+_UNIT = {"this-path": "seeds", "such-paths": "paths"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,135 +25,144 @@ class Change:
     Attributes
     ----------
     baseline : float
-    value, low, high : float
-        Of the change, in `unit`: "%" of the baseline, or the metric's own where that is 0.
+        Mean of the same runs.
+    value, bound : float
+        Of the change, and the end of its one-sided 95 % interval towards the worse, in `unit`:
+        "%" of the baseline, or the metric's own where that is 0.
     """
 
     baseline: float
     value: float
-    low: float
-    high: float
+    bound: float
     unit: str
 
 
 @dataclass(frozen=True, slots=True)
+class Worst:
+    """The run that is worst by a metric, and the moment of most work in it."""
+
+    seed: int
+    value: float
+    moment: Moment
+
+
+@dataclass(frozen=True, slots=True)
 class Verdict:
-    """One limit on one policy in one scene on one trace.
+    """One limit on one policy in one scene, on the paths that it is for.
 
     Attributes
     ----------
+    population : "this-path", "such-paths", "observed" or ""
+        Of what the limit was judged; observed where it is on an extreme, empty where a policy
+        failed before any limit was judged.
     limit : str
-        As the file says it, and in milliseconds what is not; empty where a policy failed before
-        any limit was judged.
+        As the file says it, and in milliseconds what is not.
     line : int or None
         Where the file says it.
-    value, low, high : float or None
+    value : float or None
+        Mean over the runs; of an extreme the worst of all.
+    bound : float or None
+        End of the one-sided 95 % interval of an absolute limit's mean, towards the limit.
+    p : float or None
+        That the limit is kept and what was seen is chance.
+    needed : int or None
+        Paths, or seeds on each path, that would decide.
     reason : str or None
         Why nothing could be decided, or why the policy failed.
     """
 
     policy: str
     scene: str
-    trace: str
+    paths: tuple[str, ...]
     metric: str
+    population: str
     outcome: Outcome
     limit: str
     line: int | None = None
     value: float | None = None
-    low: float | None = None
-    high: float | None = None
+    bound: float | None = None
     unit: str = ""
+    p: float | None = None
     change: Change | None = None
+    needed: int | None = None
     reason: str | None = None
-    worst: WorstFrame | None = None
+    worst: Worst | None = None
+
+    @property
+    def needed_text(self) -> str:
+        """How many of what would decide, in words; empty if that is not known."""
+        return "" if self.needed is None else f"{self.needed} {_UNIT[self.population]}"
 
 
 def judge_failure(measured: MeasuredPolicy) -> Verdict:
     """Return the verdict on a policy without scores: it broke its contract, or does not apply."""
     outcome: Outcome = "fails" if measured.failed else "undecided"
-    return Verdict(*measured.case, "contract", outcome, "", reason=measured.reason)
+    where = measured.policy, measured.scene, measured.paths
+    return Verdict(*where, "contract", "", outcome, "", reason=measured.reason)
 
 
-def judge(
-    limit: Limit, measured: MeasuredPolicy, conditions: Conditions, baseline: Baseline | None
+def conclude(
+    question: Question,
+    finding: Finding,
+    judgement: Judgement,
+    conditions: Conditions,
+    *,
+    allow_new: bool,
 ) -> Verdict:
-    """Return whether a limit holds for a measured policy.
-
-    It fails if the whole interval lies beyond the limit, passes if none of it does, and is
-    undecided in between.  One replicate has no interval: then the value decides.
-    """
-    score = measured.scores[limit.metric]
-    change: Change | None = None
-    if limit.relative:
-        outcome, reason, change = _relative(limit, measured, conditions, baseline)
-    else:
-        bound = limit.amount.resolve(conditions.budget_ms, conditions.refresh_hz)
-        sign = 1.0 if limit.kind == "max" else -1.0
-        ends = (score.low, score.high) if sign > 0.0 else (score.high, score.low)
-        outcome, reason = _absolute(score.value, ends, sign, bound)
-    worst = None
-    if score.value is not None:
-        worst = find_worst(measured.logs, conditions.warmup_s, limit.metric)
-    text = limit.describe(conditions.budget_ms, conditions.refresh_hz)
-    judged = (*measured.case, limit.metric, outcome, text, limit.line)
-    return Verdict(*judged, score.value, score.low, score.high, score.unit, change, reason, worst)
-
-
-def _absolute(
-    value: float | None, ends: tuple[float | None, float | None], sign: float, bound: float
-) -> tuple[Outcome, str | None]:
-    """Judge an interval from its better to its worse end."""
-    better, worse = ends
-    if value is None:
-        return "undecided", "the run has no value: nothing of the kind happened"
-    if better is None or worse is None:
-        better = worse = value
-    return _decide(sign * (better - bound), sign * (worse - bound))
-
-
-def _decide(better: float, worse: float) -> tuple[Outcome, str | None]:
-    """Judge how far both ends of an interval are beyond a limit."""
-    if better > 0.0:
-        return "fails", None
-    return ("passes", None) if worse <= 0.0 else ("undecided", _MORE)
-
-
-def _relative(
-    limit: Limit, measured: MeasuredPolicy, conditions: Conditions, baseline: Baseline | None
-) -> tuple[Outcome, str | None, Change | None]:
-    """Judge the change from the baseline, seed by seed."""
-    score = measured.scores[limit.metric]
-    before = None if baseline is None else baseline.find(measured, limit.metric)
-    if before is None:
-        return "undecided", "the baseline has no such value; update it", None
-    base, then = before
-    values = [value for value in measured.by_seed[limit.metric] if value is not None]
-    if score.value is None or len(values) < len(then):
-        return "undecided", f"not every seed has a value; {_MORE}", None
-    difference = np.array(values) - then
-    rise = difference if limit.kind == "max_increase" else -difference
-    better, worse = _ends(rise - _allowed(limit, conditions, then))
-    share = 100.0 / abs(base) if base else 1.0
-    low, high = _ends(share * difference)
-    unit = "%" if base else score.unit
-    change = Change(base, share * (score.value - base), low, high, unit)
-    return (*_decide(better, worse), change)
-
-
-def _allowed(limit: Limit, conditions: Conditions, then: FloatArray) -> FloatArray:
-    """Return by how much the value under each seed may change."""
-    amount = limit.amount.resolve(conditions.budget_ms, conditions.refresh_hz)
-    allowed = (
-        amount * np.abs(then) if limit.amount.measure == "share" else np.full_like(then, amount)
+    """Return the verdict on a question, with what makes it plain."""
+    limit, measured = question.limit, question.measured
+    extreme = is_extreme(limit)
+    outcome, reason = _OUTCOMES[judgement.verdict], finding.reason
+    if finding.missing:
+        outcome = "passes" if allow_new else "fails"
+        advice = "new, which --allow-new allows" if allow_new else "update it, or --allow-new"
+        reason = f"{reason}; {advice}"
+    value = bound = None
+    if finding.now.size and not np.isnan(finding.now).all():
+        value = float(np.nanmean(finding.now)) if not extreme else worst_of(limit, finding.now)
+    if not limit.relative and not extreme and np.isfinite(judgement.high):
+        sign = 1.0 if limit.upper else -1.0
+        bound = amount_of(limit, conditions) + sign * judgement.high
+    return Verdict(
+        policy=measured.policy,
+        scene=measured.scene,
+        paths=tuple(measured.paths[path] for path in question.at),
+        metric=limit.metric,
+        population="observed" if extreme else limit.population,
+        outcome=outcome,
+        limit=limit.describe(conditions.budget_ms, conditions.refresh_hz),
+        line=limit.line,
+        value=value,
+        bound=bound,
+        unit=find_metric(limit.metric).unit,
+        p=None if extreme or np.isnan(judgement.p) else judgement.p,
+        change=_change(limit, finding, judgement, conditions),
+        needed=judgement.needed,
+        reason=reason,
+        worst=None if outcome == "passes" else _find_worst(question, conditions.seed),
     )
-    if limit.floor is None:
-        return allowed
-    return np.maximum(allowed, limit.floor.resolve(conditions.budget_ms, conditions.refresh_hz))
 
 
-def _ends(values: FloatArray) -> tuple[float, float]:
-    """Return the ends of the interval of a mean over seeds; of one seed, its value twice."""
-    low, high = interval(values.tolist())
-    if low is None or high is None:
-        return float(values[0]), float(values[0])
-    return low, high
+def _change(
+    limit: Limit, finding: Finding, judgement: Judgement, conditions: Conditions
+) -> Change | None:
+    now, then = finding.now, finding.then
+    if then is None or not then.size:
+        return None
+    base, sign = float(then.mean()), 1.0 if limit.upper else -1.0
+    scale, unit = (100.0 / abs(base), "%") if base else (1.0, find_metric(limit.metric).unit)
+    allowed = float(allowed_of(limit, then, conditions).mean())
+    bound = sign * (judgement.high + allowed)
+    return Change(base, scale * (float(now.mean()) - base), scale * bound, unit)
+
+
+def _find_worst(question: Question, first_seed: int) -> Worst | None:
+    """Return the run that is worst by the metric."""
+    now = question.measured.values(question.limit.metric)[list(question.at)]
+    if np.isnan(now).all():
+        return None
+    flat = np.nanargmax(now if question.limit.upper else -now)
+    path, seed = np.unravel_index(int(flat), now.shape)
+    run = question.measured.runs[question.at[int(path)]][int(seed)]
+    of_noise = noise_seed(first_seed + int(seed), question.at[int(path)])
+    return Worst(of_noise, float(now[path, seed]), run.worst)

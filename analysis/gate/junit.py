@@ -8,19 +8,23 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from ...base.files.whole_file import write_whole
 from .check_result import CheckReport
 from .judgement import Verdict
-from .plain_text import describe, explain
+from .plain_text import describe, explain, name_paths
 
 
 def write_junit(path: Path, report: CheckReport) -> None:
     """Write a report, all of it or nothing; undecided limits are skipped tests unless strict."""
     root = Element("testsuites", name="lodbench check")
-    for (policy, scene, trace), verdicts in groupby(
-        report.verdicts, attrgetter("policy", "scene", "trace")
+    for (policy, scene, paths), verdicts in groupby(
+        report.verdicts, attrgetter("policy", "scene", "paths")
     ):
-        _add_suite(root, f"{scene}.{trace}.{policy}", list(verdicts), report)
+        _add_suite(root, _suite_name(policy, scene, paths), list(verdicts), report)
     indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
+
+
+def _suite_name(policy: str, scene: str, paths: tuple[str, ...]) -> str:
+    return ".".join([scene, *([name_paths(paths)] if paths else []), policy])
 
 
 def _add_suite(root: Element, name: str, verdicts: list[Verdict], report: CheckReport) -> None:

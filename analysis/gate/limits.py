@@ -1,4 +1,4 @@
-"""Limits on metrics: for everything, or for some policies, scenes and traces."""
+"""Limits on metrics: of a population, for everything or for some policies, scenes and traces."""
 
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -8,6 +8,9 @@ from typing import Literal
 from .amount import Amount
 
 Kind = Literal["max", "min", "max_increase", "max_decrease"]
+Population = Literal["this-path", "such-paths"]
+"""this-path: these very paths under other noise, as a regression is.  such-paths: other paths of
+their kind, as a promise is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +23,8 @@ class Limit:
     kind : Kind
         Relative to the baseline if it ends in increase or decrease.
     amount : Amount
+    population : Population
+        Of what it is a limit.
     floor : Amount or None
         A change up to this is allowed, however large it is relative to the baseline.
     line : int or None
@@ -29,8 +34,14 @@ class Limit:
     metric: str
     kind: Kind
     amount: Amount
+    population: Population
     floor: Amount | None = None
     line: int | None = None
+
+    @property
+    def upper(self) -> bool:
+        """Whether more of the metric breaks the limit."""
+        return self.kind in {"max", "max_increase"}
 
     @property
     def relative(self) -> bool:
@@ -55,11 +66,15 @@ class Rule:
     trace: str = "*"
 
     def covers(self, policy: str, scene: str, trace: str) -> bool:
-        """Whether the rule is for these names; a policy also goes by what is before its colon."""
+        """Whether the rule is for these names.
+
+        A policy also goes by what is before its colon, a path by what is before its first space:
+        which stretch of it is replayed is said behind that.
+        """
         return (
             any(fnmatchcase(name, self.policy) for name in (policy, policy.partition(":")[0]))
             and fnmatchcase(scene, self.scene)
-            and fnmatchcase(trace, self.trace)
+            and any(fnmatchcase(name, self.trace) for name in (trace, trace.partition(" ")[0]))
         )
 
 

@@ -6,12 +6,20 @@ from typing import Any, cast, get_args
 from ...base.errors import InputError
 from ...base.files.strict_toml import TomlDocument, read_toml
 from ..metrics.metric_registry import find_metric
+from ..verdict.metric_kinds import kind_of
 from .amount import Amount, parse_amount
-from .limits import Kind, Limit, LimitRules, Rule
+from .limits import Kind, Limit, LimitRules, Population, Rule
 
-ABSOLUTE_LIMITS = '[limits]\nwork_ms_p95 = { max = "budget" }\n'
+ABSOLUTE_LIMITS = """[limits]
+work_ms_p99 = { max = "budget", population = "such-paths" }
+"""
 """Limits without a file and without a baseline."""
-DEFAULT_LIMITS = ABSOLUTE_LIMITS + 'work_ms_p99 = { max_increase = "2.5%" }\n'
+DEFAULT_LIMITS = """[limits]
+work_ms_p99 = [
+    { max = "budget", population = "such-paths" },
+    { max_increase = "2.5%", population = "this-path" },
+]
+"""
 """Limits without a file.  2.5 % lies midway between no change and the 5 % that has to be found."""
 
 _SCOPE = ("policy", "scene", "trace")
@@ -41,10 +49,11 @@ def read_limits(path: Path) -> LimitRules:
     """Read a file of limits.
 
     ``[limits]`` is for everything, each ``[[for]]`` with `limits` for what its `policy`, `scene`
-    and `trace` match (``*`` stands for any text).
+    and `trace` match (``*`` stands for any text).  Every limit names its population; ``population``
+    above all tables is that of those that do not.
 
     Raises `InputError` if it is missing, not TOML, or a key, metric or amount is not as it has to
-    be; with the line.
+    be, or an extreme is limited against a baseline; with the line.
     """
     return _Reader(read_toml(path, _LARGEST_BYTES, "give limits in UTF-8, see docs/ci.md")).read()
 
@@ -57,10 +66,12 @@ def parse_limits(text: str) -> LimitRules:
 class _Reader:
     def __init__(self, document: TomlDocument) -> None:
         self._document = document
+        self._population: Population | None = None  # where a limit does not name one
 
     def read(self) -> LimitRules:
         document = self._document
-        content = document.table(document.content, ("limits", "for"), "")
+        content = document.table(document.content, ("population", "limits", "for"), "")
+        self._population = self._population_of(content.get("population"), "population")
         rules = [Rule(self._limits(content.get("limits", {}), "limits"))]
         scoped = content.get("for", [])
         if not isinstance(scoped, list):
@@ -88,31 +99,58 @@ class _Reader:
         if not isinstance(table, dict):
             self._document.fail(where, "expected a table of metrics, got another value")
         return {
-            metric: self._metric(metric, entry, f"{where}.{metric}")
+            metric: self._several(metric, entry, f"{where}.{metric}")
             for metric, entry in cast("dict[str, Any]", table).items()
         }
 
-    def _metric(self, metric: str, entry: Any, where: str) -> tuple[Limit, ...]:
+    def _several(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:
+        """Return the limits of a metric: of one table, or of several for several populations."""
+        tables: list[Any] = [entry]
+        if isinstance(entry, list) and entry:
+            tables = cast("list[Any]", entry)
+        return tuple(limit for table in tables for limit in self._metric(name, table, where))
+
+    def _metric(self, name: str, entry: Any, where: str) -> tuple[Limit, ...]:
         document = self._document
         try:
-            unit = find_metric(metric).unit
+            metric = find_metric(name)
         except InputError as error:
             document.fail(where, error.message)
         if not isinstance(entry, dict):
             document.fail(where, f"expected {{ max = ... }} or another limit, got {entry}")
         kinds: tuple[Kind, ...] = get_args(Kind)
-        entry = document.table(entry, (*kinds, "floor"), where)
-        amounts = {key: self._amount(unit, key, entry[key], where) for key in entry}
+        entry = dict(document.table(entry, (*kinds, "floor", "population"), where))
+        population = self._population_of(entry.pop("population", None), where) or self._population
+        amounts = {key: self._amount(metric.unit, key, entry[key], where) for key in entry}
+        found: list[Kind] = [kind for kind in kinds if kind in amounts]
         floor = amounts.get("floor")
-        line = None if document.path is None else document.line_of(where)
-        limits = [
-            Limit(metric, kind, amounts[kind], floor if kind.startswith("max_") else None, line)
-            for kind in kinds
-            if kind in amounts
-        ]
-        if not limits or (floor is not None and not any(limit.relative for limit in limits)):
+        relative = [kind for kind in found if kind.startswith("max_")]
+        if not found or (floor is not None and not relative):
             document.fail(where, f"expected one of {', '.join(kinds)}, got {', '.join(entry)}")
-        return tuple(limits)
+        if relative and kind_of(metric) == "extreme":
+            document.fail(
+                where,
+                f"{relative[0]}: expected a metric that is a mean or a quantile, got an extreme, "
+                "of which one run says nothing about the next; limit it by max",
+            )
+        if population is None:
+            document.fail(
+                where,
+                'expected population = "this-path", for these very paths, or "such-paths", for '
+                "others of their kind, got none; name one",
+            )
+        line = None if document.path is None else document.line_of(where)
+        return tuple(
+            Limit(name, kind, amounts[kind], population, floor if kind in relative else None, line)
+            for kind in found
+        )
+
+    def _population_of(self, value: object, where: str) -> Population | None:
+        populations: tuple[Population, ...] = get_args(Population)
+        if value is not None and value not in populations:
+            known = " or ".join(f'"{name}"' for name in populations)
+            self._document.fail(where, f"population: expected {known}, got {value}")
+        return next((name for name in populations if name == value), None)
 
     def _amount(self, unit: str, key: str, value: object, where: str) -> Amount:
         amount = parse_amount(value)

@@ -1,28 +1,29 @@
-"""What a gate judges: every metric of a policy, over several seeds of noise on this path.
+"""What a gate judges: every metric of a policy on each path, under each seed.
 
-Seeds are the same in the baseline, so that what the two runs share does not blur their difference
-(common random numbers; Law, Simulation Modeling and Analysis, chapter 11).
+Paths, seeds and machine are those of the baseline, so that what the two runs share does not blur
+their difference (common random numbers; Law, Simulation Modeling and Analysis, chapter 11).
+Policies run as they are given, on the machine of the profile's mean.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.arrays import FloatArray
 from ...base.errors import require_whole
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
-from ...sim.frame_log import FrameLog
-from ..metrics.metric_registry import METRICS
-from ..study.comparison import Score
-from ..study.comparison_folder import read_results
+from ...policies.registry import require_distinct
+from ...sim.replay import ReplayOptions
+from ...traces.cameras.camera_trace import CameraTrace
+from ..study.compare import require_paths
 from ..study.engine.limits import DEFAULT_LIMITS, Limits
-from ..study.inputs import WHOLE, Seconds
-from ..study.runs import Progress, Runs, choose_draws, run_policies
-from ..study.score import World
-
-LEVEL = 0.9
-"""Coverage of the intervals."""
+from ..study.engine.open_engine import open_engine
+from ..study.replays import Place, Replays, make_bench
+from ..study.runs import Progress
+from ..study.score import Scored
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,9 +33,7 @@ class MeasureOptions:
     Attributes
     ----------
     seeds : int
-        Replays of each policy, with successive seeds.
-    draws : int
-        Posterior draws of the cost model to replay under each seed, if the profile has them.
+        Replays of each policy on each path, with successive seeds.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
     policy_limits : Limits
@@ -44,166 +43,139 @@ class MeasureOptions:
     """
 
     seeds: int = 4
-    draws: int = 16
     workers: int = 1
     policy_limits: Limits = DEFAULT_LIMITS
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        for name, low in (("seeds", 1), ("draws", 0), ("workers", 0)):
+        for name, low in (("seeds", 1), ("workers", 0)):
             require_whole(getattr(self, name), name, low)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Conditions:
     """What has to be the same in two measurements for one to be the baseline of the other."""
 
     hardware: str
-    budget_ms: float
+    display: str
     refresh_hz: float
+    frames_in_flight: int
+    budget_ms: float
     seed: int
     seeds: int
     warmup_s: float
     visible_px: float
-    seconds: Seconds = WHOLE
+    fovy_deg: float = 60.0
+    crossfade_ms: float = 0.0
+    measurement_delay: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredPolicy:
-    """One policy in one scene on one trace.
+    """One policy in one scene.
 
     Attributes
     ----------
+    paths : tuple of str
+        Names of the n paths.
+    hashes : tuple of str
+        Their contents.
+    runs : tuple of tuple of Scored
+        By path, then by seed; empty where there are no scores.
     reason : str or None
-        Why there are no scores.
+        Why there are none.
     failed : bool
         Whether that is because the policy broke its contract, not because it does not apply.
-    scores : dict of str to Score
-        Mean over seeds, and its interval: over seeds, or over draws of the cost model where there
-        are any; none where there is only one of either.
-    by_seed : dict of str to list of float or None
-        Values under the profile's own cost model, to be compared with the same of a baseline.
-    logs : tuple of FrameLog
-        One a seed.
     """
 
     policy: str
     scene: str
-    trace: str
+    paths: tuple[str, ...]
+    hashes: tuple[str, ...]
+    runs: tuple[tuple[Scored, ...], ...] = ()
     reason: str | None = None
     failed: bool = False
-    scores: dict[str, Score] = field(default_factory=dict[str, Score])
-    by_seed: dict[str, list[float | None]] = field(default_factory=dict[str, list[float | None]])
-    logs: tuple[FrameLog, ...] = ()
 
-    @property
-    def case(self) -> tuple[str, str, str]:
-        """Policy, scene and trace."""
-        return self.policy, self.scene, self.trace
+    def values(self, metric: str) -> FloatArray:
+        """Return a metric by path and seed, (n, S); nan where a run does not have it."""
+        values = [[run.values[metric] for run in seeds] for seeds in self.runs]
+        return np.array(values, dtype=np.float64)
 
 
 def measure(
     policies: Sequence[PolicySpec],
-    world: World,
+    scene: Scene,
+    paths: Sequence[CameraTrace],
+    hardware: HardwareProfile,
+    options: ReplayOptions,
     sampling: MeasureOptions,
+    warmup_s: float,
     progress: Progress | None = None,
 ) -> tuple[Conditions, list[MeasuredPolicy]]:
-    """Replay each policy under successive seeds, from the one of the world's options on.
+    """Replay each policy on each path under successive seeds, from the one of the options on.
 
-    Raises `InputError` if a policy is given twice, its parameters are refused, or all of the path
+    Raises `InputError` if a policy or path is given twice, parameters are refused, or all of a path
     would be warm-up.
     """
-    options = world.options
+    require_distinct(policies)
+    require_paths(paths, warmup_s)
+    bench = make_bench(policies, scene, paths, hardware, options, warmup_s)
     seeds = range(options.seed, options.seed + sampling.seeds)
-    draws = choose_draws(world.hardware, sampling.draws)
-    runs = run_policies(
-        policies,
-        world,
-        seeds,
-        draws,
-        sampling.workers,
-        progress,
+    engine = open_engine(
+        bench.inputs,
+        workers=sampling.workers,
         limits=sampling.policy_limits,
         scheduler=sampling.scheduler,
     )
-    names = (world.scene.name, world.trace.name)
-    measured = [_measured((label, *names), run) for label, run in runs.items()]
-    conditions = Conditions(
-        world.hardware.name,
-        options.budget_ms,
-        world.hardware.display.refresh_hz,
-        options.seed,
-        sampling.seeds,
-        world.warmup_s,
-        options.visible_px,
+    with engine:
+        replays = Replays(bench, engine, progress, None, sampling.policy_limits)
+        replays.make(
+            Place(spec.label, path, seed)
+            for spec in policies
+            for path in range(len(paths))
+            for seed in seeds
+        )
+    names = tuple(path.name for path in paths)
+    measured = [
+        _measured(spec.label, scene.name, names, bench.paths, replays, seeds) for spec in policies
+    ]
+    return conditions_of(hardware, options, sampling.seeds, warmup_s), measured
+
+
+def conditions_of(
+    hardware: HardwareProfile, options: ReplayOptions, seeds: int, warmup_s: float
+) -> Conditions:
+    """Return what a baseline of such a measurement has to share with it."""
+    return Conditions(
+        hardware=hardware.name,
+        display=hardware.display.mode,
+        refresh_hz=hardware.display.refresh_hz,
+        frames_in_flight=hardware.frames_in_flight,
+        budget_ms=options.budget_ms,
+        seed=options.seed,
+        seeds=seeds,
+        warmup_s=warmup_s,
+        visible_px=options.visible_px,
+        fovy_deg=options.fovy_deg,
+        crossfade_ms=options.crossfade_ms,
+        measurement_delay=options.measurement_delay,
     )
-    return conditions, measured
 
 
-def _measured(names: tuple[str, str, str], runs: Runs) -> MeasuredPolicy:
-    if runs.failure is not None:
-        failed = runs.failure.kind == "failed"
-        reason = str(runs.failure) if failed else f"not applicable: {runs.failure}"
-        return MeasuredPolicy(*names, reason, failed)
-    scores: dict[str, Score] = {}
-    by_seed: dict[str, list[float | None]] = {}
-    for metric in METRICS:
-        by_seed[metric.id] = [run.values[metric.id] for run in runs.means]
-        known = [value for value in by_seed[metric.id] if value is not None]
-        low, high = _over_draws(runs, metric.id) if runs.drawn else interval(known)
-        value = float(np.mean(known)) if known else None
-        scores[metric.id] = Score(value, low, high, metric.unit, metric.better)
-    logs = tuple(run.log for run in runs.means if run.log is not None)
-    return MeasuredPolicy(*names, None, False, scores, by_seed, logs)
-
-
-def _over_draws(runs: Runs, metric: str) -> tuple[float | None, float | None]:
-    """Return the ends that hold `LEVEL` of the draws' means over seeds."""
-    rows = [[run.values[metric] for run in seeds] for seeds in runs.drawn]
-    known = [[value for value in row if value is not None] for row in rows]
-    if not all(known):
-        return None, None
-    ends = ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0)
-    low, high = np.quantile([np.mean(row) for row in known], ends)
-    return float(low), float(high)
-
-
-def interval(values: Sequence[float]) -> tuple[float | None, float | None]:
-    """Return Student's interval of the mean of replicates, None and None of fewer than two."""
-    n = len(values)
-    if n < 2:
-        return None, None
-    from scipy.stats import t
-
-    middle, sd = float(np.mean(values)), float(np.std(values, ddof=1))
-    half = float(t.ppf(0.5 + 0.5 * LEVEL, n - 1)) * sd / n**0.5
-    return middle - half, middle + half
-
-
-def measure_run(folder: Path) -> tuple[Conditions, list[MeasuredPolicy]]:
-    """Return what a folder that `compare --out` wrote holds: one seed.
-
-    Raises `InputError` if a file is missing, broken, or of another run.
-    """
-    comparison, logs = read_results(folder)
-    measured: list[MeasuredPolicy] = []
-    for policy in comparison.policies:
-        names = (policy.label, comparison.scene, comparison.trace)
-        if policy.status != "ok":
-            failed = policy.status == "failed"
-            reason = policy.reason if failed else f"not applicable: {policy.reason}"
-            measured.append(MeasuredPolicy(*names, reason, failed))
-            continue
-        by_seed = {name: [score.value] for name, score in policy.metrics.items()}
-        logged = (logs[policy.label],)
-        measured.append(MeasuredPolicy(*names, None, False, policy.metrics, by_seed, logged))
-    conditions = Conditions(
-        comparison.hardware,
-        comparison.budget_ms,
-        comparison.conditions.refresh_hz,
-        comparison.seed,
-        1,
-        comparison.window_s[0],
-        comparison.visible_px,
+def _measured(
+    label: str,
+    scene: str,
+    names: tuple[str, ...],
+    hashes: tuple[str, ...],
+    replays: Replays,
+    seeds: Sequence[int],
+) -> MeasuredPolicy:
+    failure = replays.failures.get(label)
+    if failure is not None:
+        failed = failure.kind == "failed"
+        reason = str(failure) if failed else f"not applicable: {failure}"
+        return MeasuredPolicy(label, scene, names, hashes, (), reason, failed)
+    runs = tuple(
+        tuple(replays[Place(label, path, seed)] for seed in seeds) for path in range(len(names))
     )
-    return conditions, measured
+    return MeasuredPolicy(label, scene, names, hashes, runs)

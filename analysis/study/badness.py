@@ -26,6 +26,9 @@ METRIC_OF: dict[Badness, str] = {
 }
 """The metric that each kind of badness is; the overshoot is over the budget."""
 
+GUARD_OF: dict[Badness, str] = METRIC_OF | {"overshoot": "work_ms_p99"}
+"""The metric by which a path that was found is guarded: none that one frame decides."""
+
 Gauge: TypeAlias = Callable[[CameraTrace], float]
 """Returns how bad a policy is on a path: the more the worse."""
 

@@ -22,7 +22,7 @@ from .comparison_folder import Compared
 from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.open_engine import open_engine
 from .judging import Judging
-from .replays import Bench, Replays
+from .replays import Bench, Replays, make_bench
 from .runs import Progress, choose_draws
 from .tuning import Rotation, rotate, tune
 
@@ -213,18 +213,14 @@ def _bench(
     every = list(paths)
     if len(paths) == 1 and knobs:
         every += [vary(paths[0], options.seed + 1 + number) for number in range(VARIATIONS)]
-    inputs = {content_hash(value): value for value in (scene, hardware)}
-    scene_hash, hardware_hash = inputs
-    hashes = tuple(content_hash(path) for path in every)
-    bench = Bench(
-        inputs=inputs | dict(zip(hashes, every, strict=True)),
-        scene=scene_hash,
-        hardware=hardware_hash,
-        paths=hashes,
-        specs={spec.label: spec for spec in policies},
+    bench = make_bench(
+        policies,
+        scene,
+        every,
+        hardware,
+        options,
+        settings.warmup_s,
         knobs=knobs,
-        options=options,
-        warmup_s=settings.warmup_s,
         miss=settings.miss,
     )
     return bench, rotate(len(paths), len(every) - len(paths))

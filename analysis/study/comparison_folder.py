@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
     from .results.run_info import Stopwatch
 
-_REPORT, _COMPARISON, _FRAMES, _STUDY = "report.html", "comparison.json", "frames", "study.json"
-_RUNS = "runs.parquet"
+COMPARISON, RUNS = "comparison.json", "runs.parquet"
+"""Names of the record and of all runs in such a folder."""
+
+_REPORT, _FRAMES, _STUDY = "report.html", "frames", "study.json"
 _INFO = "run-info.json"
 _STUDY_SCHEMA = "lodbench.comparison-folder/1"
 
@@ -114,9 +116,9 @@ def write_results(
         (partial / _FRAMES).mkdir()
         for label, name in frame_log_names(list(compared.logs)).items():
             write_frame_log(partial / _FRAMES / name, compared.logs[label])
-        (partial / _COMPARISON).write_bytes(encode_record(compared.comparison))
+        (partial / COMPARISON).write_bytes(encode_record(compared.comparison))
         if compared.runs is not None:
-            write_runs(partial / _RUNS, compared.runs)
+            write_runs(partial / RUNS, compared.runs)
         page = render_report(compared.comparison, compared.logs)
         (partial / _REPORT).write_text(page, encoding="utf-8")
         if study is not None:
@@ -150,7 +152,7 @@ def read_results(folder: Path) -> Compared:
 
     Raises `InputError` if a file is missing, broken, or of another run.
     """
-    comparison = read_comparison(folder / _COMPARISON)
+    comparison = read_comparison(folder / COMPARISON)
     names = frame_log_names([policy.label for policy in comparison.ok])
     logs = {label: read_frame_log(folder / _FRAMES / name) for label, name in names.items()}
     for policy in comparison.ok:
@@ -161,7 +163,7 @@ def read_results(folder: Path) -> Compared:
                 f"{got.policy}, seed {got.seed}; run `lodbench compare` again",
                 path=folder / _FRAMES / names[policy.label],
             )
-    runs = read_runs(folder / _RUNS) if (folder / _RUNS).exists() else None
+    runs = read_runs(folder / RUNS) if (folder / RUNS).exists() else None
     return Compared(comparison, logs, runs)
 
 

@@ -8,22 +8,38 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from ...base.content_hash import content_hash
+from ...models.machine.hardware import HardwareProfile
+from ...models.scene.scene import Scene
 from ...policies.knob import Knob
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import vary_policy
 from ...sim.replay import ReplayOptions
+from ...traces.cameras.camera_trace import CameraTrace
 from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.task import Engine, Failure
 from .results.run_list import RunList
 from .run import Run
 from .runs import Progress
-from .score import Scored
+from .score import MISS, Scored
 
 if TYPE_CHECKING:  # they need Arrow, which a study without a folder does not
     import pyarrow as pa
 
     from .results.record import AxisValue
     from .results.work_folder import WorkFolder
+
+
+_SEEDS_OF_A_PATH = 1_000_000
+
+
+def noise_seed(seed: int, path: int) -> int:
+    """Return the seed of the noise of a replay on the path of a position.
+
+    No two paths share one: under the same noise their means would err together, and intervals over
+    paths, or over seeds on several paths, would be too narrow by up to the root of their number.
+    """
+    return seed + _SEEDS_OF_A_PATH * path
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -37,6 +53,7 @@ class Place:
     path : int
         Position of the path.
     seed : int
+        Of the replays on this path, see `noise_seed`.
     knob : float or None
         Value of the policy's knob; None for its own parameters.
     draw : int or None
@@ -97,7 +114,8 @@ class Bench:
         if place.knob is not None:
             varied = vary_policy(spec, {self.knobs[place.policy].name: place.knob})
             spec = replace(varied, label=spec.label)
-        options = replace(self.options, seed=place.seed, draw=place.draw)
+        seed = noise_seed(place.seed, place.path)
+        options = replace(self.options, seed=seed, draw=place.draw)
         return Run(
             spec,
             self.scene,
@@ -108,6 +126,34 @@ class Bench:
             self.miss,
             keeps_log=place.logged,
         )
+
+
+def make_bench(
+    policies: Sequence[PolicySpec],
+    scene: Scene,
+    paths: Sequence[CameraTrace],
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    warmup_s: float,
+    *,
+    knobs: Mapping[str, Knob] | None = None,
+    miss: float = MISS,
+) -> Bench:
+    """Return what replays of these policies on these paths share; without knobs none is turned."""
+    hashes = tuple(content_hash(path) for path in paths)
+    scene_hash, hardware_hash = content_hash(scene), content_hash(hardware)
+    shared = {scene_hash: scene, hardware_hash: hardware}
+    return Bench(
+        inputs=shared | dict(zip(hashes, paths, strict=True)),
+        scene=scene_hash,
+        hardware=hardware_hash,
+        paths=hashes,
+        specs={spec.label: spec for spec in policies},
+        knobs=knobs or {},
+        options=options,
+        warmup_s=warmup_s,
+        miss=miss,
+    )
 
 
 class Replays:

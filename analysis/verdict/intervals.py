@@ -63,7 +63,7 @@ def this_path(values: FloatArray, level: float = 0.9) -> Interval:
         return Interval(float("nan"), float("nan"), enough=False, needed=needed)
     mean = float(values.mean())
     error: FloatArray = values.var(axis=1, ddof=1) / seeds
-    degrees = _degrees(error, seeds - 1.0)
+    degrees = welch_degrees(error, seeds - 1.0)
     half = float(stdtrit(degrees, (1 + level) / 2) * np.sqrt(error.sum())) / n
     enough = seeds >= needed
     return Interval(mean - half, mean + half, enough=enough, needed=None if enough else needed)
@@ -188,7 +188,7 @@ def _of_signed(values: FloatArray, level: float) -> Interval:
 def _of_positive(values: FloatArray, level: float) -> Interval:
     """Return t's interval on the logarithm of the mean of positive values."""
     n, mean = len(values), float(values.mean())
-    squared, error = _relative(values)
+    squared, error = relative_spread(values)
     reach = float(stdtrit(n - 1, (1 + level) / 2)) * error
     return _judged(mean * np.exp(-reach), mean * np.exp(reach), n, squared)
 
@@ -208,7 +208,7 @@ def _of_two_parts(values: FloatArray, most: float, level: float) -> Interval:
         if not np.isfinite(most):  # nothing tells how much a path with any would have
             return Interval(0.0, 0.0, enough=False, needed=None)
         return Interval(0.0, most * float(betaincinv(1, n, 1 - tail)), enough=True, needed=None)
-    squared, error = _relative(some) if k > 1 else (1.0, 1.0)
+    squared, error = relative_spread(some) if k > 1 else (1.0, 1.0)
     of_some = float(some.mean()) * np.exp(stdtrit(max(k - 1, 1), _GRID) * error)
     share = betaincinv(k + 0.5, n - k + 0.5, _GRID)
     low, high = np.quantile(np.outer(share, np.minimum(of_some, most)), [tail, 1 - tail])
@@ -219,7 +219,7 @@ def _of_two_parts(values: FloatArray, most: float, level: float) -> Interval:
     return replace(found, needed=needed)
 
 
-def _relative(values: FloatArray) -> tuple[float, float]:
+def relative_spread(values: FloatArray) -> tuple[float, float]:
     """Return the squared coefficient of variation, and the standard error of the mean's logarithm.
 
     Half of the fourth power is added to the square: what a skewed sample's own variance misses.
@@ -235,7 +235,7 @@ def _judged(low: float, high: float, n: int, skew: float) -> Interval:
     return Interval(float(low), float(high), enough=enough, needed=None if enough else needed)
 
 
-def _degrees(errors: FloatArray, each: float) -> float:
+def welch_degrees(errors: FloatArray, each: float) -> float:
     """Return Welch's degrees of freedom of a sum of variances, (n,), of `each` degrees."""
     squares = float((errors**2).sum()) / (each + 2)
     if squares == 0:

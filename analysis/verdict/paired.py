@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtr, stdtrit
 
 from ...base.arrays import BoolArray, FloatArray
+from .intervals import welch_degrees
 
 Verdict = Literal["pass", "fail", "undecided"]
 
@@ -27,6 +28,26 @@ PASS_LEVEL = 0.95
 
 _POWER = 0.8  # chance with which the replicates asked for would decide, were the means as seen
 _MOST = 10_000  # replicates that nobody makes
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What the replicates of one limit say, before all limits are judged together.
+
+    Attributes
+    ----------
+    p : float
+        Of an excess as large as seen, were the limit kept; nan where nothing tells.
+    excess, high : float
+        Mean of the excess over the limit, and the upper end of its one-sided interval.
+    needed : int or None
+        Replicates that would decide; None if no sensible number would.
+    """
+
+    p: float
+    excess: float
+    high: float
+    needed: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +87,7 @@ def one_sided_p(now: FloatArray, then: FloatArray, limit: float, *, relative: bo
     Replicates that are all alike show it without doubt: 0 beyond the limit, 1 within.  From one
     replicate the answer is nan.
     """
-    return _p(excess(now, then, limit, relative=relative))
+    return by_t(excess(now, then, limit, relative=relative)).p
 
 
 def holm(p: Sequence[float] | FloatArray, alpha: float = FAIL_ALPHA) -> BoolArray:
@@ -91,25 +112,64 @@ def judge(
 ) -> tuple[Judgement, ...]:
     """Return the judgement of each of m limits, from what its replicates exceed it by.
 
+    Parameters
+    ----------
+    excesses : m arrays (R,) or (n, S) float64
+        As `by_t` takes them; limits may have replicates of their own number.
+    """
+    found = [by_t(of, alpha / len(excesses), level) for of in excesses]
+    return decide(found, alpha)
+
+
+def decide(evidence: Sequence[Evidence], alpha: float = FAIL_ALPHA) -> tuple[Judgement, ...]:
+    """Return the judgement of each of m limits, from what is known of it.
+
     A limit fails if that is shown by Holm's procedure over all m; it passes if the one-sided
     interval of its excess ends within it; else it is undecided.
+    """
+    judgements: list[Judgement] = []
+    for of, fails in zip(evidence, holm([of.p for of in evidence], alpha), strict=True):
+        verdict: Verdict = "fail" if fails else "pass" if of.high <= 0 else "undecided"
+        needed = of.needed if verdict == "undecided" else None
+        judgements.append(Judgement(verdict, of.p, of.excess, of.high, needed))
+    return tuple(judgements)
+
+
+def by_t(beyond: FloatArray, alpha: float = FAIL_ALPHA, level: float = PASS_LEVEL) -> Evidence:
+    """Return what replicates say of the mean excess, by Student's t on one side.
+
+    Replicates on several fixed paths are compared with those of their own path alone, as how paths
+    differ is no doubt about these very paths; noise may differ from path to path (Welch).
+    Replicates that are all alike show the excess without doubt; a single one shows nothing.
 
     Parameters
     ----------
-    excesses : m arrays (R,) float64
-        As `excess` gives them; limits may have replicates of their own number.
+    beyond : (R,) float64, or (n, S) float64
+        Excess of R replicates, or of S replicates on each of n paths.
+    alpha : float
+        Chance of failing wrongly that is left for this limit.
     """
-    p = [_p(of) for of in excesses]
-    failed = holm(p, alpha)
-    judgements: list[Judgement] = []
-    for of, p_of, fails in zip(excesses, p, failed, strict=True):
-        high = _upper(of, level)
-        verdict: Verdict = "fail" if fails else "pass" if high <= 0 else "undecided"
-        needed = None
-        if verdict == "undecided":
-            needed = needed_replicates(of, 0.0, alpha / len(excesses), level)
-        judgements.append(Judgement(verdict, p_of, float(of.mean()), high, needed))
-    return tuple(judgements)
+    rows = np.atleast_2d(beyond)
+    n, each = rows.shape
+    mean = float(rows.mean())
+    if each < 2:
+        return Evidence(float("nan"), mean, float("inf"))
+    if not _spread(rows):
+        return Evidence(0.0 if mean > 0 else 1.0, mean, mean)
+    errors: FloatArray = rows.var(axis=1, ddof=1) / each
+    error = sqrt(float(errors.sum())) / n
+    degrees = welch_degrees(errors, each - 1.0)
+    return Evidence(
+        p=_tail(degrees, mean / error),
+        excess=mean,
+        high=mean + float(stdtrit(degrees, level)) * error,
+        needed=needed_replicates(rows, 0.0, alpha, level),
+    )
+
+
+def as_observed(beyond: float) -> Evidence:
+    """Return what an extreme says, which is judged as it was seen and not as a mean."""
+    return Evidence(0.0 if beyond > 0 else 1.0, beyond, beyond)
 
 
 def needed_replicates(
@@ -122,47 +182,34 @@ def needed_replicates(
 
     Parameters
     ----------
-    diff : (R,) float64
-        Of the replicates at hand.
+    diff : (R,) or (n, S) float64
+        Of the replicates at hand; of n paths, what is needed on each.
     alpha, level : float
         Chance of failing wrongly, and confidence of passing.
     """
-    distance = abs(float(diff.mean()) - limit)
-    if len(diff) < 2 or distance == 0:
+    rows = np.atleast_2d(diff)
+    n, each = rows.shape
+    distance = abs(float(rows.mean()) - limit)
+    if each < 2 or distance == 0:
         return None
-    error = alpha if diff.mean() > limit else 1 - level
-    sd = float(diff.std(ddof=1))
+    error = alpha if rows.mean() > limit else 1 - level
+    spread = sqrt(float(rows.var(axis=1, ddof=1).sum())) / n
 
-    def decide(n: int) -> bool:
-        wanted = float(stdtrit(n - 1, 1 - error) + stdtrit(n - 1, _POWER))
-        return distance >= wanted * sd / sqrt(n)
+    def decides(count: int) -> bool:
+        degrees = n * (count - 1)
+        wanted = float(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER))
+        return distance >= wanted * spread / sqrt(count)
 
     counts = range(2, _MOST + 1)
-    found = bisect_left(counts, True, key=decide)  # more replicates never decide less
+    found = bisect_left(counts, True, key=decides)  # more replicates never decide less
     return counts[found] if found < len(counts) else None
 
 
-def _p(beyond: FloatArray) -> float:
-    """Return the p of a mean excess of 0 or less."""
-    if len(beyond) < 2:
-        return float("nan")
-    if not _spread(beyond):
-        return 0.0 if beyond[0] > 0 else 1.0
-    error = float(beyond.std(ddof=1)) / sqrt(len(beyond))
-    t = float(beyond.mean()) / error
-    return float(stdtr(len(beyond) - 1, -t))
+def _tail(degrees: float, t: float) -> float:
+    """Return the chance of at least t."""
+    return float(np.float64(stdtr(degrees, -t)))
 
 
-def _upper(beyond: FloatArray, level: float) -> float:
-    """Return the upper end of the one-sided interval of the mean excess; inf from one replicate."""
-    if len(beyond) < 2:
-        return float("inf")
-    if not _spread(beyond):
-        return float(beyond[0])
-    half = stdtrit(len(beyond) - 1, level) * beyond.std(ddof=1) / np.sqrt(len(beyond))
-    return float(beyond.mean() + half)
-
-
-def _spread(values: NDArray[np.float64]) -> bool:
-    """Return whether the values differ by more than rounding."""
-    return bool(np.ptp(values) > 1e-12 * np.abs(values).max())
+def _spread(rows: NDArray[np.float64]) -> bool:
+    """Return whether the values of any row differ by more than rounding."""
+    return bool((np.ptp(rows, axis=1) > 1e-12 * np.abs(rows).max()).any())

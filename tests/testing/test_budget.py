@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.bounds.full import Full
@@ -26,24 +27,36 @@ def world(
 
 
 @pytest.fixture
-def budget(make_hardware: Callable[..., HardwareProfile]) -> FrameBudget:
-    """Return a machine of a microsecond a triangle and a millisecond a frame, without noise."""
+def budget(make_hardware: Callable[..., HardwareProfile], tmp_path: Path) -> FrameBudget:
+    """Return a budget that full detail breaks: 1 µs a triangle, 1 ms a frame, without noise."""
+    limits = tmp_path / "budget.toml"
+    limits.write_text(
+        'population = "this-path"\n[limits]\nwork_ms_p99 = { max = "budget" }\n', encoding="utf-8"
+    )
     return FrameBudget(
-        hardware=make_hardware(), seconds=(0.0, 0.5), warmup_s=0.1, seeds=2, budget_ms=4.5
+        limits=limits, hardware=make_hardware(), seeds=2, warmup_s=0.1, budget_ms=3.9
     )
 
 
 def test_what_fits_passes_and_what_does_not_fails(
     world: tuple[Scene, CameraTrace], budget: FrameBudget
 ) -> None:
-    """Three objects in full take 4 ms: within 4.5 ms, and not within 3.9."""
-    assert_budget(Full, *world, budget)
+    """Three objects in full take 4 ms, not within 3.9 ms; the coarsest levels take 1.15."""
+    assert_budget("static-screen:bias=0.001", *world, budget)
     with pytest.raises(AssertionError) as failed:
-        assert_budget("full", *world, replace(budget, budget_ms=3.9))
-    assert str(failed.value) == (
-        "FAILS: full in by-hand on by-hand: work_ms_p95 4.00 ms [4.00, 4.00], limit max budget "
-        "(3.9 ms); worst frame 26 of seed 0 at 0.10 s with 4.00, camera at (0.00, 0.00, 0.00) m"
+        assert_budget("full", *world, budget)
+    assert str(failed.value).startswith(
+        "FAILS: full in by-hand on by-hand: work_ms_p99 4.00 ms [< 4.00], limit max budget "
+        "(3.9 ms) on these paths, p < .0001; worst 4.00 on by-hand, seed 0: at 0."
     )
+
+
+def test_a_budget_that_nothing_could_break_is_no_budget(
+    world: tuple[Scene, CameraTrace], budget: FrameBudget
+) -> None:
+    """Within 4.5 ms full detail fits, so that no policy could fail."""
+    with pytest.raises(InputError, match=r"takes 4 ms at most, within the budget of 4.5 ms"):
+        assert_budget(Full, *world, replace(budget, budget_ms=4.5))
 
 
 def test_undecided_is_a_warning_or_a_failure(
@@ -51,7 +64,9 @@ def test_undecided_is_a_warning_or_a_failure(
 ) -> None:
     """What could not be judged is never silent."""
     limits = tmp_path / "limits.toml"
-    limits.write_text("[limits]\nsettle_ms = { max = 1 }\n", encoding="utf-8")
+    limits.write_text(
+        'population = "this-path"\n[limits]\nsettle_ms = { max = 1 }\n', encoding="utf-8"
+    )
     unsure = replace(budget, limits=limits)
     with pytest.warns(UserWarning, match="undecided: full in by-hand on by-hand: settle_ms"):
         assert_budget("full", *world, unsure)
@@ -62,13 +77,13 @@ def test_undecided_is_a_warning_or_a_failure(
 def test_a_replay_takes_seed_and_stretch_of_the_budget_or_its_own(
     world: tuple[Scene, CameraTrace], budget: FrameBudget
 ) -> None:
-    """A log is of the budget's half second unless another stretch is asked for: 4 ms a frame."""
-    log = replay_policy(Full, *world, replace(budget, seed=4))
-    assert (log.header.trace, log.header.seed, log.header.budget_ms) == ("by-hand 0:0.5 s", 4, 4.5)
-    assert log["input_ns"][-1] == pytest.approx(0.5e9, abs=4e6)
-    log = replay_policy(Full, *world, budget, seed=9, seconds=(0.2, 0.3))
-    assert (log.header.trace, log.header.seed) == ("by-hand 0.2:0.3 s", 9)
-    assert log["input_ns"][-1] == pytest.approx(0.1e9, abs=4e6)
+    """A log is of the budget's stretch of the path unless another is asked for."""
+    log = replay_policy(Full, *world, replace(budget, seed=4, seconds=(0.0, 0.5)))
+    assert (log.header.seed, log.header.budget_ms) == (4, 3.9)
+    assert log["input_ns"].max() < 0.5e9
+    log = replay_policy(Full, *world, budget, seed=9, seconds=(0.0, 0.25))
+    assert log.header.seed == 9
+    assert log["input_ns"].max() < 0.25e9
     refresh = replay_policy("full", *world, replace(budget, budget_ms=None))
     assert refresh.header.budget_ms == pytest.approx(1e3 / 60.0)
 

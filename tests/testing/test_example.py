@@ -17,7 +17,7 @@ EXAMPLE = ROOT / "docs" / "examples" / "my-engine"
 GUIDE = ROOT / "docs" / "ci.md"
 CHECK = [
     *("lodbench", "check", "--policy", "lod_policy.py:FinestThatFits"),
-    *("--trace", "tour", "--trace", "sudden-turn", "--seconds", "4:12"),
+    *("--scene", "district", "--trace", "trial", "--paths", "4"),
     *("--limits", "limits.toml", "--baseline", "baseline.json"),
 ]
 
@@ -65,7 +65,7 @@ def test_the_example_passes_its_own_gate_and_tests(project: Path) -> None:
     assert baseline.returncode == 0, baseline.stderr
     check = run_in(project, *CHECK, "--github", "--junit", "results/budget.xml", "--strict")
     assert check.returncode == 0, check.stdout + check.stderr
-    assert len(ET.parse(project / "results" / "budget.xml").findall(".//testcase")) == 6
+    assert len(ET.parse(project / "results" / "budget.xml").findall(".//testcase")) == 3
     start = time.monotonic()
     tests = run_in(project, "python", "-m", "pytest", "--junit-xml=results/tests.xml")
     assert tests.returncode == 0, tests.stdout + tests.stderr
@@ -86,8 +86,8 @@ def test_a_worse_policy_fails_the_example(project: Path) -> None:
     check = run_in(worse, *CHECK, "--json")
     assert check.returncode == 1, check.stdout + check.stderr
     verdicts = json.loads(check.stdout)["verdicts"]
-    failed = {(v["trace"], v["metric"]) for v in verdicts if v["outcome"] == "fails"}
-    assert ("sudden-turn-0", "work_ms_p95") in failed
+    failed = {(v["metric"], v["population"]) for v in verdicts if v["outcome"] == "fails"}
+    assert {("work_ms_p99", "such-paths"), ("work_ms_p99", "this-path")} <= failed
     tests = run_in(worse, "python", "-m", "pytest", "-q")
     assert tests.returncode == 1
     assert "smallest example found (example): 1 object, 1 frame" in tests.stdout

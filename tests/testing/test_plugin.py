@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-LIMITS = "[limits]\nwork_ms_p95 = { max = 0.5 }\n"
+LIMITS = '[limits]\nwork_ms_p99 = { max = 0.5, population = "this-path" }\n'
 TESTS = """
 import pytest
 
@@ -15,15 +15,15 @@ import pytest
 @pytest.fixture(scope="session")
 def frame_budget(frame_budget):
     from dataclasses import replace
-    return replace(frame_budget, seconds=(0.0, 2.0), seeds=2)
+    return replace(frame_budget, seconds=(0.0, 2.0), paths=2, seeds=2)
 
 
 def test_budget(assert_budget):
-    assert_budget("full", "plaza", "tour")
+    assert_budget("full", "district", "walk")
 
 
 def test_replay(replay):
-    log = replay("static-screen", seed=3)
+    log = replay("static-screen", "plaza", "tour", seed=3)
     assert (log.header.trace, log.header.seed) == ("tour 0:2 s", 3)
     assert log.header.policy == "static-screen"
 
@@ -63,7 +63,8 @@ def test_a_failed_budget_says_what_the_command_says(project: Path) -> None:
     run = run_pytest(project, "-k", "test_budget")
     assert run.returncode == 1, run.stdout + run.stderr
     command = [sys.executable, "-m", "lodbench", "check", "--limits", "ci/limits.toml"]
-    command += ["--policy", "full", "--seconds", "0:2", "--seeds", "2", "--workers", "1"]
+    command += ["--policy", "full", "--trace", "walk", "--paths", "2", "--seconds", "0:2"]
+    command += ["--seeds", "2", "--workers", "1"]
     check = subprocess.run(command, cwd=project, capture_output=True, text=True)
     assert check.returncode == 1, check.stderr
     (fails,) = [line for line in check.stdout.splitlines() if line.startswith("FAILS")]

@@ -9,5 +9,5 @@ from lodbench.testing import FrameBudget
 
 @pytest.fixture(scope="session")
 def frame_budget(frame_budget: FrameBudget) -> FrameBudget:
-    """Replay the seconds that the baseline was written with."""
-    return replace(frame_budget, seconds=(4.0, 12.0))
+    """Replay the paths that the baseline was written with."""
+    return replace(frame_budget, paths=4)

@@ -9,10 +9,9 @@ from lodbench.sim.frame_log import FrameLog
 from lodbench.testing import Property, parametrize_with_properties
 
 
-@pytest.mark.parametrize("trace", ["tour", "sudden-turn"])
-def test_budget(assert_budget: Callable[..., None], trace: str) -> None:
-    """The limits of limits.toml hold on a tour and on sudden turns."""
-    assert_budget(FinestThatFits, "plaza", trace)
+def test_budget(assert_budget: Callable[..., None]) -> None:
+    """The limits of limits.toml hold on paths that rest, step, turn and dash through a district."""
+    assert_budget(FinestThatFits, "district", "trial")
 
 
 @parametrize_with_properties([FinestThatFits], examples=50)
@@ -23,7 +22,7 @@ def test_properties(policy_factory: type[FinestThatFits], check_property: Proper
 
 def test_full_detail_where_there_is_time(replay: Callable[..., FrameLog]) -> None:
     """A view along the edge of the plaza is drawn in full."""
-    log = replay(FinestThatFits, seconds=(0.0, 1.5))
+    log = replay(FinestThatFits, "plaza", "tour", seconds=(0.0, 1.5))
     assert (log["benefit"] >= 0.999 * log["full_benefit"]).all()
 
 

@@ -14,42 +14,52 @@ from lodbench.analysis.gate.limits_file import (
 from lodbench.base.errors import InputError
 
 FILE = """# what a frame may take
+population = "this-path"
 [limits]
-frame_ms_p99 = { max = 16.7, max_increase = "5%", floor = 0.5 }
+work_ms_p99 = { max = 16.7, max_increase = "5%", floor = 0.5 }
 toggles_per_s = { max = 0.05 }
 
 [[for]]
 policy = "feedback"
 trace = "dash*"
-limits = { toggles_per_s = { max = 0.4 } }
+limits = { toggles_per_s = { max = 0.4, population = "such-paths" } }
 
 [[for]]
 scene = "plaza"
 [for.limits]
-benefit_ratio = { min = 0.9, max_decrease = 0.01 }
+benefit_ratio = [
+    { min = 0.9, population = "such-paths" },
+    { max_decrease = 0.01 },
+]
 """
 
 
 def texts(file: str, *names: str) -> list[str]:
     """Return the limits of a file for a policy, scene and trace."""
     limits = parse_limits(file).of(*names)
-    return [f"{limit.metric} {limit.describe(10.0, 60.0)}" for limit in limits]
+    return [f"{limit.metric} {limit.describe(10.0, 60.0)}, {limit.population}" for limit in limits]
 
 
 def test_limits_for_everything_and_for_some() -> None:
     """A table for a policy and trace replaces the general limit of the same metric only."""
     general = [
-        "frame_ms_p99 max 16.7",
-        "frame_ms_p99 max_increase 5%, floor 0.5",
+        "work_ms_p99 max 16.7, this-path",
+        "work_ms_p99 max_increase 5%, floor 0.5, this-path",
     ]
-    assert texts(FILE, "pid", "yard", "dash-0") == [*general, "toggles_per_s max 0.05"]
+    assert texts(FILE, "pid", "yard", "dash-0") == [
+        *general,
+        "toggles_per_s max 0.05, this-path",
+    ]
     assert texts(FILE, "feedback:gain=1", "yard", "dash-0") == [
         *general,
-        "toggles_per_s max 0.4",
+        "toggles_per_s max 0.4, such-paths",
     ]
+    assert texts(FILE, "feedback", "yard", "dash-0 5:20 s") == texts(
+        FILE, "feedback", "yard", "dash-0"
+    )
     assert texts(FILE, "pid", "plaza", "tour")[-2:] == [
-        "benefit_ratio min 0.9",
-        "benefit_ratio max_decrease 0.01",
+        "benefit_ratio min 0.9, such-paths",
+        "benefit_ratio max_decrease 0.01, this-path",
     ]
 
 
@@ -59,9 +69,9 @@ def test_limits_know_their_line(tmp_path: Path) -> None:
     path.write_text(FILE, encoding="utf-8")
     limits = read_limits(path).of("feedback", "plaza", "dash-0")
     assert {limit.metric: limit.line for limit in limits} == {
-        "frame_ms_p99": 3,
-        "toggles_per_s": 9,
-        "benefit_ratio": 14,
+        "work_ms_p99": 4,
+        "toggles_per_s": 10,
+        "benefit_ratio": 15,
     }
 
 
@@ -85,11 +95,28 @@ def test_amounts() -> None:
         ("[limits]\n\nframe_ms_p99 = {maxi = 1}", 3, "got maxi; did you mean max?"),
         ("[limits]\nframe_ms_p99 = 16.7", 2, "expected { max = ... }"),
         ("[limits]\nframe_ms_p99 = {}", 2, "expected one of max, min"),
+        ("[limits]\nframe_ms_p99 = []", 2, "expected { max = ... }"),
         ("[limits]\nframe_ms_p99 = {max = '5%'}", 2, "max: expected a number"),
         ("[limits]\nframe_ms_p99 = {max_increase = 'lots'}", 2, "got lots"),
         ("[limits]\nframe_ms_p99 = {max_increase = -1}", 2, "expected an amount >= 0"),
         ("[limits]\nframe_ms_p99 = {max = 1, floor = 1}", 2, "expected one of max, min"),
         ("[limits]\ntoggles_per_s = {max = 'budget'}", 2, "is in 1/s"),
+        ("[limits]\n\nlag_ms_mean = {max = 1}", 3, 'expected population = "this-path"'),
+        ("[limits]\nlag_ms_mean = {max = 1, population = 'all'}", 2, "got all"),
+        ("population = 'all'\n[limits]\nlag_ms_mean = {max = 1}", 1, "got all"),
+        (
+            (
+                "population = 'this-path'\n[limits]\nlag_ms_mean = {max = 1}\n"
+                "work_ms_max = {max_increase = '5%'}"
+            ),
+            4,
+            "max_increase: expected a metric that is a mean or a quantile, got an extreme",
+        ),
+        (
+            "population = 'this-path'\n[limits]\nmemory_peak_fraction = {max_increase = 0.1}",
+            3,
+            "got an extreme",
+        ),
         ("[limit]\nframe_ms_p99 = {max = 1}", 1, "did you mean limits?"),
         ("[limits]\n[for]\npolicy = 'a'", 2, "expected [[for]]"),
         ("[limits]\n[[for]]\npolicy = 1", 3, "expected a name of a policy"),
@@ -134,6 +161,14 @@ def test_limits_without_a_file(tmp_path: Path) -> None:
     kinds = [limit.kind for limit in choose_limits(None, baseline).of("", "", "")]
     assert kinds == [limit.kind for limit in parse_limits(DEFAULT_LIMITS).of("", "", "")]
     fixed = tmp_path / "limits.toml"
-    fixed.write_text("[limits]\nframe_ms_p99 = {max = 1}\n", encoding="utf-8")
+    fixed.write_text(
+        "population = 'this-path'\n[limits]\nframe_ms_p99 = {max = 1}\n", encoding="utf-8"
+    )
     with pytest.raises(InputError, match="add max_increase"):
         choose_limits(fixed, baseline, updating=True)
+
+
+def test_an_extreme_may_have_a_limit_of_its_own() -> None:
+    """What a maximum may be is a limit; by how much it may rise is none."""
+    limits = parse_limits("population = 'this-path'\n[limits]\nwork_ms_max = { max = 33.3 }")
+    assert [limit.kind for limit in limits.of("", "", "")] == ["max"]
