@@ -45,7 +45,7 @@ def make_comparison(
         least_miss=verdict.least_miss,
         curves=verdict.curves,
         robustness=verdict.robustness,
-        provenance=_provenance(bench, command),
+        provenance=make_provenance(bench, command),
     )
 
 
@@ -63,6 +63,12 @@ def make_sampling(
     return Sampling(LEVEL, seeds, draws, population, tuned_on)
 
 
+def make_provenance(bench: Bench, command: str) -> Provenance:
+    """Return what made a result of a bench."""
+    hashes = {value.name: digest for digest, value in bench.inputs.items()}
+    return Provenance(command, version("lodbench"), code_hash(), hashes)
+
+
 def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:
     options, display = bench.options, hardware.display
     return Conditions(
@@ -78,8 +84,3 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
     )
-
-
-def _provenance(bench: Bench, command: str) -> Provenance:
-    hashes = {value.name: digest for digest, value in bench.inputs.items()}
-    return Provenance(command, version("lodbench"), code_hash(), hashes)
