@@ -11,7 +11,8 @@ from lodbench.policies.registry import parse_policy
 WASTEFUL = '''
 from dataclasses import dataclass
 import numpy as np
-from lodbench.policies import Capabilities, Knob, Selection
+from lodbench.policies import Capabilities, Selection
+from lodbench.policies.knob import Knob
 
 @dataclass
 class Wasteful:
@@ -64,7 +65,7 @@ def test_a_known_best_parameter_is_found_and_kept(
         (["feedback", "--trials", "0"], "trials: expected a whole number >= 1"),
         (["feedback", "--paths", "1"], "paths: expected 2 or more, got 1"),
         (["feedback", "--scene", "plazza"], "did you mean plaza?"),
-        (["feedback", "--out", "no/such/place.json"], "place.json"),
+        (["feedback", "--out", "no/such/place.json"], "no/such: expected a folder"),
     ],
 )
 def test_bad_input(

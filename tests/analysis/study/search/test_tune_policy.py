@@ -89,7 +89,11 @@ def search(
 
     def run(engine: MadeEngine, *over: str, trials: int = 16) -> Tuning:
         engine.number = {content_hash(path): number for number, path in enumerate(made)}
-        monkeypatch.setattr(module, "open_engine", lambda inputs, **settings: engine)
+
+        def open_made(inputs: object, **settings: object) -> MadeEngine:
+            return engine
+
+        monkeypatch.setattr(module, "open_engine", open_made)
         spec = parse_policy("static-screen")
         names = over or ("ratio=0.15:0.95",)
         return tune_policy(spec, names, small_scene, paths, machine, REPLAY, trials=trials)
