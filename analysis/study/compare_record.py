@@ -52,7 +52,7 @@ def make_comparison(
         curve=verdict.curves,
         worst_moments=verdict.worst_moments,
         robustness=verdict.robustness,
-        provenance=_provenance(bench, command),
+        provenance=make_provenance(bench, command),
     )
 
 
@@ -67,6 +67,16 @@ def make_sampling(
     else:
         tuned_on = "knobs were tuned on other paths than those they are judged on"
     return Sampling(LEVEL, seeds, draws, tuned_on)
+
+
+def make_provenance(bench: Bench, command: str) -> Provenance:
+    """Return what made a result of a bench."""
+    kinds = {bench.scene: "scene", bench.hardware: "hardware"}
+    hashes = {  # a scene, a path and a machine may have one name
+        f"{kinds.get(digest, 'path')} {value.name}": digest
+        for digest, value in bench.inputs.items()
+    }
+    return Provenance(command, version("lodbench"), code_hash(), hashes)
 
 
 def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:
@@ -84,12 +94,3 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
     )
-
-
-def _provenance(bench: Bench, command: str) -> Provenance:
-    kinds = {bench.scene: "scene", bench.hardware: "hardware"}
-    hashes = {  # a scene, a path and a machine may have one name
-        f"{kinds.get(digest, 'path')} {value.name}": digest
-        for digest, value in bench.inputs.items()
-    }
-    return Provenance(command, version("lodbench"), code_hash(), hashes)

@@ -94,7 +94,7 @@ def reach_verdict(
     same = _same(judged)
     surely = {label for label, item in keeps.items() if _is_sure(item)}
     rivals = [item for item in judged if item.label in surely - same.keys() and not item.oracle]
-    criteria = _criteria(rivals, terms.margin)
+    criteria = order_criteria(rivals, terms.margin)
     groups = ranking([item.label for item in rivals], criteria) if rivals else ()
     results = [_result(item, keeps[item.label], same) for item in judged]
     policies = (*_in_order(results, groups, terms.budget_ms), *unscored)
@@ -119,6 +119,19 @@ def reach_verdict(
             [item.label in surely for item in contenders],
         ),
         answer=answer(policies, terms.budget_ms, order, nearest, stands, terms.population),
+    )
+
+
+def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, ...]:
+    """Return the metrics of the order, on the paths where every rival has all of them, (P, n)."""
+    if not rivals:
+        return ()
+    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
+    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
+    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
+    return tuple(
+        Criterion(name, table[:, known], relative=margin, absolute=least)
+        for name, table, least in zip(ORDER, tables, absolute, strict=True)
     )
 
 
@@ -155,19 +168,6 @@ def _same(judged: Sequence[Judged]) -> dict[str, str]:
         values = np.array([[item.values(name) for name in ids] for item in items])
         found |= fold_identical([item.label for item in items], values)
     return found
-
-
-def _criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, ...]:
-    """Return the metrics of the order, on the paths where every rival has all of them."""
-    if not rivals:
-        return ()
-    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
-    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
-    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
-    return tuple(
-        Criterion(name, table[:, known], relative=margin, absolute=least)
-        for name, table, least in zip(ORDER, tables, absolute, strict=True)
-    )
 
 
 def _result(item: Judged, keeps: Keeps, same: Mapping[str, str]) -> PolicyResult:
