@@ -118,6 +118,8 @@ def compare(
     """
     settings = settings or CompareSettings()
     require_distinct(policies)
+    for policy in policies:
+        policy.check_parameters()
     require_paths(paths, settings.warmup_s)
     knobs = {} if settings.as_shipped else find_knobs(policies)
     bench, rotation = _bench(policies, scene, paths, hardware, replay_options, settings, knobs)
