@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from .engine.open_engine import open_engine
 from .engine.task import Engine, Failure
 from .run import Run
 from .score import Scored, World
-
-if TYPE_CHECKING:  # it needs Arrow, which a study without a folder does not
-    from .results.work_folder import WorkFolder
 
 Progress = Callable[[int, int], None]
 """Called with the replays done and the replays in all."""
@@ -121,32 +118,17 @@ def plan_runs(
     return Plan(inputs, runs)
 
 
-def carry_out(
-    plan: Plan, engine: Engine, progress: Progress | None = None, work: "WorkFolder | None" = None
-) -> dict[str, Runs]:
-    """Carry out runs, or what is missing of them, and return what became of each policy, by label.
+def carry_out(plan: Plan, engine: Engine, progress: Progress | None = None) -> dict[str, Runs]:
+    """Carry out runs, and return what became of each policy, by label.
 
     Raises `InputError` if the parameters of a policy are refused.
-
-    Parameters
-    ----------
-    work
-        Where results are kept as they come, and where earlier ones are.
     """
-    results = {} if work is None else dict(work.results)
-    missing = range(len(plan.runs)) if work is None else work.missing
+    results: dict[int, Scored | Failure] = {}
     with engine:
-        for outcome in engine.run([plan.runs[at] for at in missing]):
-            at = missing[outcome.index]
-            results[at] = outcome.failure or outcome.result
-            if work is not None:
-                work.add(at, outcome)
+        for outcome in engine.run(plan.runs):
+            results[outcome.index] = outcome.failure or outcome.result
             if progress is not None:
-                progress(len(results) if work is None else work.durable, len(plan.runs))
-    if work is not None:
-        work.flush()
-        if progress is not None:
-            progress(work.durable, len(plan.runs))
+                progress(len(results), len(plan.runs))
     return _by_policy(plan.runs, results)
 
 
