@@ -236,8 +236,10 @@ class Replays:
             if self._work is not None:
                 self._work.add(at, outcome)
             done += 1
-            if self._progress is not None:
-                self._progress(done, self._asked)
+            self._tell(done)
+        if self._work is not None and missing:
+            self._work.flush()
+            self._tell(done)
         self._keep(wanted, results)
 
     def narrow(self, labels: Collection[str]) -> None:
@@ -256,6 +258,12 @@ class Replays:
         listed = RunList(tuple(runs), names, stop=True, limits=self._limits, study=self._work.study)
         results = self._work.begin(listed)
         return results, [at for at in listed.wanted(_failed(results)) if at not in results]
+
+    def _tell(self, done: int) -> None:
+        """Tell how many replays are done: where they are kept, those that no end can take back."""
+        if self._progress is not None:
+            durable = done if self._work is None else min(done, self._work.durable)
+            self._progress(durable, self._asked)
 
     def _keep(self, wanted: Sequence[Place], results: Mapping[int, Scored | Failure]) -> None:
         """Take results in the order of their places, whatever the order in which they came."""

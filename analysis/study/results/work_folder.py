@@ -35,6 +35,7 @@ class WorkFolder:
             earlier = work.begin(runs)
             for at, outcome in missing_of(runs, earlier):
                 work.add(at, outcome)
+            work.flush()
 
     What cannot be written is no reason to stop: the study goes on without.
     The caller holds the target (`locked`).
@@ -86,6 +87,14 @@ class WorkFolder:
         if self._store is not None:
             try:
                 self._store.add(at, outcome)
+            except (InputError, OSError):
+                self._give_up()
+
+    def flush(self) -> None:
+        """Return when all that was added is on the disk, or cannot be."""
+        if self._store is not None:
+            try:
+                self._store.flush()
             except (InputError, OSError):
                 self._give_up()
 

@@ -172,8 +172,9 @@ class Tally:
 
 
 def count_results(lines: Lines) -> int:
-    """Return how many results came in; one line more says that all are durable."""
-    return max(sum("done" in line for line in lines) - 1, 0)
+    """Return how many results came in; a line more a round says that all are durable."""
+    rounds = len({line["of"] for line in lines if "done" in line})
+    return max(sum("done" in line for line in lines) - max(rounds, 1), 0)
 
 
 def most(lines: Lines, key: str) -> int:
