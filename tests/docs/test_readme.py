@@ -17,7 +17,7 @@ TABLE = "\n\n"  # ends the sentences that a comparison prints first
 
 def tour() -> list[tuple[str, str]]:
     """Return the tour's commands, each with the text that is shown below its block."""
-    blocks = FENCE.findall(PAGE)
+    blocks: list[tuple[str, str]] = FENCE.findall(PAGE)
     found: list[tuple[str, str]] = []
     for place, (language, block) in enumerate(blocks):
         lines = block.replace("\\\n", " ").splitlines() if language == "sh" else []

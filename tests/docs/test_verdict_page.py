@@ -6,6 +6,7 @@ of the functions that commands use: the page, the formula and the code have to a
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,7 +57,7 @@ def test_the_gate_of_the_example() -> None:
     for row, work_ms in zip(table("tolerance |"), WORK_MS, strict=True):
         x = np.log(work_ms / BUDGET_MS)
         t = -x.mean() / (x.std(ddof=1) * np.sqrt(1 + 1 / 5))
-        keeps = stats.t.cdf(t, 4)
+        keeps: Any = stats.t.cdf(t, 4)
         kept = int((work_ms <= BUDGET_MS).sum())
         exact = stats.binomtest(kept, 5).proportion_ci(0.9, method="exact")
         assert row[1:] == [
@@ -132,7 +133,8 @@ def test_the_chances_of_the_example() -> None:
     # C is first unless its pops come within 1 a second of A's: that takes t of 4 degrees beyond 5.
     lead = SEEN[1, 0] - SEEN[1, 2] - 1.0
     t = lead.mean() / (lead.std(ddof=1) / np.sqrt(5))
-    assert found.p_best[2] == pytest.approx(stats.t.cdf(t, 4), abs=0.01)
+    sure: Any = stats.t.cdf(t, 4)
+    assert found.p_best[2] == pytest.approx(sure, abs=0.01)
 
 
 def test_half_the_speed_of_the_example() -> None:
