@@ -4,7 +4,7 @@ A page is run from top to bottom in an empty folder.  A fence ``python file=NAME
 the ``lodbench`` commands of a fence ``sh`` are run there, and have to end with 0, or with N after
 ``sh exit=N``.  Where a page names ``data/``, that is the folder of real data.  Commands run in this
 process, which has imported what they need.  One page is run by the installed command, as it stands.
-run is for the tests of fits to say.  One page is run by the installed command, as it stands.
+"""
 
 import os
 import re
@@ -88,7 +88,8 @@ def run_installed(line: str) -> tuple[int, str]:
 RUNNING = [
     page
     for page in PAGES
-    if page not in {ON_A_CLUSTER, README} and any(line.startswith("lodbench ") for line in commands(page))
+    if page not in {ON_A_CLUSTER, README}
+    and any(line.startswith("lodbench ") for line in commands(page))
 ]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
 LONG = {
