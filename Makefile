@@ -1,4 +1,4 @@
-# make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
+# make compare   the main job, some minutes: all policies on ten paths; results in out/compare
 # make test      quick tests          make test-slow   the others
 # make check     format, lint, types, which room imports which, the documentation's links and tables
 # make studies   long studies at full length: coverage, false alarms, claims in 500 worlds, 860 kills
