@@ -41,9 +41,9 @@ def suite(
     policy_timeout: options.PolicyTimeout = 60.0,
     policy_memory: options.PolicyMemory = None,
 ) -> None:
-    """Rank policies by how many budgets they keep, and how well, over a fixed set of comparisons.
+    """Rank policies by a fixed study of scenes, paths, machines and budgets.
 
-    0 done, 1 a policy failed, 2 bad input.
+    By how many budgets they keep, then by their ranks.  0 done, 1 a policy failed, 2 bad input.
     """
     from ..analysis.report.suite_table import print_suite
     from ..analysis.study.engine.limits import make_limits

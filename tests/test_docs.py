@@ -99,7 +99,9 @@ LONG = {
     "lod-models.md",
     "recording.md",
     "scenes.md",
+    "suite.md",
     "sweeps.md",
+    "tuning.md",
 }
 """Pages that draw, fit or simplify for some ten seconds; quick tests run each command briefly."""
 

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from ..study.suite.suite_record import CellResult, Leader, Standing, SuiteResult
+from ..study.suite.suite_record import CellResult, Leader, SuiteResult
 from .console_tables import plain_table
-from .values import ABSENT, format_value
+from .values import ABSENT
 
 if TYPE_CHECKING:  # rich is loaded by the command that prints
     from rich.console import Console
@@ -21,7 +21,7 @@ def print_suite(result: SuiteResult, console: "Console") -> None:
     console.print("", _leaderboard(result))
     console.print(
         "kept: budgets kept with probability .9 or more on such paths; mean rank over these. A "
-        "column a comparison: the rank there, or the p99 of work over the budget of who misses it.",
+        "column a comparison: the rank there, or p, the probability of keeping it, of who may not.",
         style="dim",
     )
     for number, cell in enumerate(result.cells, start=1):
@@ -58,12 +58,9 @@ def _in_cell(cell: CellResult, label: str) -> str:
     standing = next(one for one in cell.standings if one.label == label)
     if standing.status != "ok":
         return "failed" if standing.status == "failed" else "n/a"
-    return _missed(standing, cell.budget_ms) if standing.rank is None else str(standing.rank)
-
-
-def _missed(standing: Standing, budget_ms: float) -> str:
-    work_ms = standing.work_ms_p99
-    return ABSENT if work_ms is None else f"×{format_value(work_ms / budget_ms)}"
+    if standing.rank is not None:
+        return str(standing.rank)
+    return ABSENT if standing.keeps is None else f"p {standing.keeps:.2f}"
 
 
 def _reasons(result: SuiteResult) -> list[tuple[str, str]]:

@@ -1,7 +1,7 @@
 """The suites: which policies run where, fixed, so that results of one version can be compared.
 
-Whoever changes a suite gives it the next version.  Budgets are a sixth to a tenth of what full
-detail takes there, so that who keeps them has to choose.
+Whoever changes a suite gives it the next version.  Where a scene can be drawn in full, that takes
+five to ten times the budget, so that who keeps it has to choose.
 """
 
 from dataclasses import dataclass
@@ -78,11 +78,19 @@ class Suite:
 QUICK = Suite(
     name="quick",
     version=1,
-    policies=("full", "static-screen", "feedback", "hoppe", "gobbetti", "hlod-hysteresis"),
+    policies=(
+        "full",
+        "static-screen",
+        "feedback",
+        "hoppe",
+        "gobbetti",
+        "hlod-hysteresis",
+        "maciel",
+    ),
     cells=(
         Cell("district", "trial", "desktop-assumed", 16.0),
-        Cell("plaza", "walk", "llvmpipe", 60.0),
-        Cell("city", "drive", "desktop-assumed", 8.0),
+        Cell("plaza", "trial", "llvmpipe", 100.0),
+        Cell("city", "trial", "desktop-assumed", 8.0),
     ),
     seeds=1,
 )
@@ -121,7 +129,7 @@ STANDARD = Suite(
         Cell("district", "walk", "llvmpipe", 100.0),
         Cell("plaza", "trial", "desktop-assumed", 8.0),
         Cell("plaza", "trial", "llvmpipe", 100.0),
-        Cell("plaza", "walk", "llvmpipe", 60.0),
+        Cell("plaza", "fly-over", "llvmpipe", 30.0),
         Cell("city", "trial", "desktop-assumed", 8.0),
         Cell("city", "drive", "desktop-assumed", 8.0),
     ),
