@@ -1,7 +1,7 @@
 # make compare   the main job, with the bundled scene, trace and hardware; results in out/compare
 # make test      quick tests          make test-slow   the others
 # make check     format, lint, types, which room imports which, the documentation's links and tables
-# make studies   long studies at full length: coverage, false alarms, claims in 500 worlds, 300 kills
+# make studies   long studies at full length: coverage, false alarms, claims in 500 worlds, 860 kills
 # make bench     speed, beside simpy's
 # make mutants   whether tests fail when the code is made wrong on purpose (docs/mutants.md)
 # make docs      generated parts of the documentation, and its site in out/site

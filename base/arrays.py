@@ -92,7 +92,11 @@ def sum_rows(table: FloatArray, weight: FloatArray) -> list[float]:
     """
     if table.size <= _ONE_THREAD:
         return table.dot(weight).tolist()
-    return np.einsum("ij,j->i", table, weight).tolist()
+    total, columns = np.zeros(len(table)), _ONE_THREAD // len(table)
+    for start in range(0, len(weight), columns):
+        part = slice(start, start + columns)
+        total += table[:, part].dot(weight[part])
+    return total.tolist()
 
 
 def refuse_rows(

@@ -1,6 +1,11 @@
-"""Times and sizes in words, in the unit in which one thinks of them."""
+"""Counts, times and sizes in words, in the unit in which one thinks of them."""
 
 _UNITS = ("kB", "MB", "GB", "TB")
+
+
+def count_text(count: int, noun: str) -> str:
+    """Return a number of things such as ``1 run`` or ``2,000 runs``."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
 
 
 def duration_text(seconds: float) -> str:

@@ -39,17 +39,7 @@ Out = Annotated[
         "stopped.",
     ),
 ]
-Miss = Annotated[
-    float,
-    Option(help="Share of time for which a policy may exceed the budget and still keep it."),
-]
-Margin = Annotated[
-    float, Option(help="Part of the best's value within which another is as good; at least .25 px.")
-]
 AsShipped = Annotated[bool, Option("--as-shipped", help="Tune no policy: run each as it ships.")]
-Quick = Annotated[
-    bool, Option("--quick", help="4 paths of 6 s in place of 10 of 12 s, at less certainty.")
-]
 Seeds = Annotated[
     int | None, Option(help="Replays of each path under other noise; else 2, or 5 of one path.")
 ]
@@ -94,11 +84,11 @@ def compare(
     hardware: options.Hardware = "desktop-assumed",
     policy: Policies = None,
     budget_ms: options.BudgetMs = None,
-    miss: Miss = 0.01,
+    miss: options.Miss = 0.01,
     visible: options.Visible = 1.0,
-    margin: Margin = 0.1,
+    margin: options.Margin = 0.1,
     as_shipped: AsShipped = False,
-    quick: Quick = False,
+    quick: options.Quick = False,
     seed: options.Seed = 0,
     seeds: Seeds = None,
     out: Out = None,
@@ -119,7 +109,7 @@ def compare(
     faults: FaultyTimers = "",
     memory: Memory = None,
 ) -> None:
-    """Compare policies at one budget: who keeps it, at the finest picture with least flicker."""
+    """Compare policies at one budget: who keeps it, and who looks best then."""
     from ..analysis.report.terminal_table import print_comparison
     from ..analysis.study.compare import (
         DEFAULT_PATHS,
@@ -154,7 +144,7 @@ def compare(
             trace or [DEFAULT_TRACE],
             world,
             place,
-            paths=paths or (QUICK_PATHS if quick else DEFAULT_PATHS),
+            paths=paths if paths is not None else QUICK_PATHS if quick else DEFAULT_PATHS,
             length_s=QUICK_LENGTH_S if quick else None,
             seconds=parse_seconds(seconds),
             seed=seed,

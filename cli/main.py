@@ -20,8 +20,10 @@ from ..base.errors import InputError, LodbenchError
 from ..base.version import __version__
 
 COMMANDS = {
-    "compare": "Compare policies on a camera trace: budget, lag, flicker, quality and work.",
+    "compare": "Compare policies at one budget: who keeps it, and who looks best then.",
     "sweep": "Run a study over any axes, and ask questions to its results.",
+    "tune": "Search parameters of a policy for a finer picture within the budget.",
+    "suite": "Run a fixed study of scenes, paths, machines and budgets: a leaderboard.",
     "check": "Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input.",
     "report": "Write DIR/report.html again from comparison.json and the frame logs beside it.",
     "export": "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for "

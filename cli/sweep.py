@@ -86,8 +86,7 @@ def run(
     folder = Path(study.stem) if out is None else out
     if not dry_run:
         check_folder(folder)
-    if scheduler is None:
-        prepare_engine()
+    prepare_engine(scheduler)
     planned = read_study(study)
     settings: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "limits": limits}
     if dry_run:
@@ -124,13 +123,14 @@ def _print_estimate(study: "Study", settings: dict[str, Any], *, as_json: bool) 
 
 
 def _estimate_text(study: "Study", found: "Estimate", workers: int, time_s: float) -> str:
-    from ..base.quantities import bytes_text, duration_text
+    from ..base.quantities import bytes_text, count_text, duration_text
 
     axes = ", ".join(f"{name} {len(cells):,}" for name, cells in study.axes.items())
     return (
-        f"{study.name}: {found.runs:,} runs ({axes})\n"
-        f"about {duration_text(time_s)} on {workers} workers and {bytes_text(found.disk_bytes)} of "
-        f"disk, from a timed sample of {found.sampled} runs, one each of {found.kinds} kinds (a "
+        f"{study.name}: {count_text(found.runs, 'run')} ({axes})\n"
+        f"about {duration_text(time_s)} on {count_text(workers, 'worker')} and "
+        f"{bytes_text(found.disk_bytes)} of disk, from a timed sample of "
+        f"{count_text(found.sampled, 'run')}, one each of {count_text(found.kinds, 'kind')} (a "
         "policy in a scene)"
     )
 
@@ -138,6 +138,7 @@ def _estimate_text(study: "Study", found: "Estimate", workers: int, time_s: floa
 def _print_results(study: "Study", folder: Path, results: "StudyResults", *, as_json: bool) -> None:
     """Print what became of a study, and why runs have no scores."""
     from ..analysis.study.sweep.query import Query
+    from ..base.quantities import count_text
 
     reasons = Query(results).unscored()
     counts = results.counts
@@ -152,9 +153,10 @@ def _print_results(study: "Study", folder: Path, results: "StudyResults", *, as_
         "unscored": [asdict(one) for one in reasons],
         "out": str(folder),
     }
-    lines = [f"{study.name}: {len(results):,} runs, " + ", ".join(_words(counts))]
+    lines = [f"{study.name}: {count_text(len(results), 'run')}, " + ", ".join(_words(counts))]
     lines += [one.text for one in reasons[:_SAID]]
-    lines += [f"and {len(reasons) - _SAID} more reasons"] if len(reasons) > _SAID else []
+    more = len(reasons) - _SAID
+    lines += [f"and {count_text(more, 'more reason')}"] if more > 0 else []
     lines.append(f"results: {folder} (lodbench sweep show {folder})")
     print_result(record, "\n".join(lines), as_json=as_json)
 

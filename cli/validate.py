@@ -87,11 +87,13 @@ def validate(
     as_json: options.AsJson = False,
 ) -> None:
     """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
+    from ..analysis.metrics.measured_frames import require_window
+    from ..analysis.study.compare import CompareSettings
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation import replays
     from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
-    from ..analysis.validation.validate import require_other_frames, require_priced
+    from ..analysis.validation.validate import Pair, require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
     from ..analysis.validation.validation_folder import (
         claimed_validation,
@@ -117,9 +119,10 @@ def validate(
         path = whole.stretch(
             *((0.0, min(_FIRST_S, whole.duration_s)) if seconds is None else parse_seconds(seconds))
         )
+        require_window(warmup_s, path.duration_s)  # before hours of recording
         require_priced(profile)
         require_recordable(labels, opened.scene)
-        scoring = replays.SimulateOptions(
+        scoring = CompareSettings(
             warmup_s=warmup_s,
             draws=draws,
             workers=workers,
@@ -141,11 +144,12 @@ def validate(
             label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
         }
         with progress_bar("simulate") as progress:
-            setting, pairs = replays.simulate_all(
-                labels, opened, path, profile, replay, scoring, measured, progress
+            simulation = replays.simulate_all(
+                labels, opened.scene, path, profile, replay, scoring, progress
             )
+        pairs = {label: Pair(measured[label], simulation.policies[label].log) for label in labels}
         log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
-        validation = compare_sides(setting, pairs, profile, log)
+        validation = compare_sides(simulation, pairs, profile, log)
         kept = recorded or recordings
         unwritten = out and failure_of(lambda: write_validation(out, validation, pairs, kept))
     if as_json:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, get_args
 
-from ..base.errors import InputError
+from ..base.errors import InputError, PolicyError
 from ..base.foreign_text import describe_error, describe_value
 from ..base.nearest_names import unknown_name
 from .policy_spec import PolicySpec, parameters
@@ -109,6 +109,17 @@ class Knob:
         share = (self._along(value) - low) / (high - low)
         return share if self.finer == "higher" else 1.0 - share
 
+    def at(self, share: float) -> float:
+        """Return the value that lies so far from the coarse end to the fine one, 0 to 1.
+
+        Between the ends it has four significant digits.
+        """
+        along = share if self.finer == "higher" else 1.0 - share
+        if along in (0.0, 1.0):
+            return float(self.high if along else self.low)
+        low, high = self._along(self.low), self._along(self.high)
+        return _round(self._back(low + along * (high - low)), _DIGITS)
+
     def _along(self, value: float) -> float:
         return math.log(value) if self.scale == "log" else float(value)
 
@@ -168,7 +179,7 @@ def _checked(spec: PolicySpec, knob: object, *, makes: bool) -> Knob:
                 varied = vary_policy(spec, {knob.name: end})
                 if makes:
                     varied.make()
-            except InputError as error:
+            except (InputError, PolicyError) as error:
                 raise InputError(f"{where}: {error}") from error
     return knob
 

@@ -3,12 +3,13 @@
 import copy
 import inspect
 import typing
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from ..base.errors import InputError
+from ..base.errors import InputError, PolicyError
 from ..base.foreign_text import describe_error
 from .protocol import Capabilities, Policy
+from .shared.ranges import check_values
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +40,49 @@ class PolicySpec:
     params: dict[str, object]
     made: Policy | None = None
 
+    def check_parameters(self) -> None:
+        """Raise `InputError` if parameters are refused, as far as can be told without the class.
+
+        One may be missing, or out of the range that a class of ours declares for it.  No code of a
+        user's is run.
+        """
+        if self.made is not None:
+            return
+        try:
+            inspect.signature(self.cls).bind(**self.params)
+        except TypeError as error:
+            raise InputError(f"policy {self.label}: expected its parameters, got {error}") from None
+        if self._declares_ranges:
+            known = {field.name: field.default for field in fields(self.cls) if field.init}
+            check_values(self.cls, known | self.params, self.name)
+
+    def check_parameter(self, name: str) -> None:
+        """Raise `InputError` if one parameter that is given is refused whatever the others are."""
+        if self._declares_ranges:
+            check_values(self.cls, {name: self.params[name]}, self.name)
+
+    @property
+    def _declares_ranges(self) -> bool:
+        return self.cls.__module__.startswith("lodbench.") and is_dataclass(self.cls)
+
     def make(self) -> Policy:
         """Return a new policy.
 
-        Raises `InputError` if the class refuses the parameters, or says nothing of its
-        capabilities.
+        Raises
+        ------
+        InputError
+            If the class refuses the parameters, or says nothing of its capabilities.
+        PolicyError
+            If the class, or copying the object, raises anything else.
         """
+        self.check_parameters()
         try:
             policy = self.cls(**self.params) if self.made is None else copy.deepcopy(self.made)
         except InputError:
             raise
         except (Exception, SystemExit) as error:  # a user's class may raise anything
-            raise InputError(f"policy {self.label}: {describe_error(error)}") from error
+            reason = f"cannot be made: {describe_error(error)}"
+            raise PolicyError(self.label, None, reason) from error
         capabilities: object = getattr(policy, "capabilities", None)
         if not isinstance(capabilities, Capabilities):
             raise InputError(

@@ -13,6 +13,8 @@ from ..models.scene.scene import Scene
 from .frame_times import Completed
 from .selection import Selection
 
+_ROUND = np.array((0, 1, 2, 0, 1))  # x, y, z and once more: a cross product of whole rows
+
 
 @dataclass(frozen=True, slots=True)
 class FrameState:
@@ -121,7 +123,10 @@ class View:
     @per_node
     def _square_m2(self) -> FloatArray:
         """Return the square of each distance, (m,)."""
-        return np.add.reduce(self._squares_m2, axis=0)
+        x, y, z = self._squares_m2
+        square = x + y
+        square += z
+        return square
 
     @per_node
     def _squares_m2(self) -> FloatArray:
@@ -131,8 +136,9 @@ class View:
     @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
-        gap = self.distance_m - self.nodes.radius_m
-        return np.maximum(gap, self.camera.near_m, out=gap)
+        camera = self.camera
+        gap = self.distance_m - self.nodes.in_lens(camera.focal_px, camera.near_m).radius_m
+        return np.maximum(gap, camera.near_m, out=gap)
 
     @per_node
     def px_per_m(self) -> FloatArray:
@@ -146,8 +152,8 @@ class View:
         camera, nodes = self.camera, self.nodes
         lens = nodes.in_lens(camera.focal_px, camera.near_m)
         return area_of_spheres(
-            self._squares_m2[2] - nodes.square_m2,
-            self._square_m2 - nodes.square_m2,
+            self._squares_m2[2] - lens.square_m2,
+            self._square_m2 - lens.square_m2,
             lens.disc,
             self.xyz_m[2] <= lens.reach_m,
             float(camera.viewport_px),
@@ -195,7 +201,9 @@ class View:
             return np.zeros(len(self.ids))
         centers = self.state.previous_centers or self.state.centers
         old = before.to_camera(centers.all_m.take(self.nodes.at, axis=1))
-        return _angle_deg(old, self.xyz_m) / step_s
+        angle = _angle(old.take(_ROUND, axis=0), self.xyz_m.take(_ROUND, axis=0))
+        angle *= math.degrees(1.0) / step_s
+        return angle
 
     @per_node
     def previous_detail(self) -> FloatArray:
@@ -216,20 +224,13 @@ class View:
         return everything.take(self.nodes.at)
 
 
-def _angle_deg(old: FloatArray, new: FloatArray) -> FloatArray:
-    """Return the angles between directions, (3, m) each, (m,)."""
-    a, b, c = old
-    x, y, z = new
-    # The length of the cross product, one component after the other in the same three buffers.
-    side, other = b * z, np.empty(len(a))
-    side -= np.multiply(c, y, out=other)
-    sine = side * side
-    for p, q, r, s in ((c, x, a, z), (a, y, b, x)):
-        np.multiply(p, q, out=side)
-        side -= np.multiply(r, s, out=other)
-        sine += np.multiply(side, side, out=side)
+def _angle(old: FloatArray, new: FloatArray) -> FloatArray:
+    """Return the angles between directions whose rows are x, y, z, x, y, (5, m) each, (m,)."""
+    # The length of the cross product keeps the digits of small angles.
+    cross = old[1:4] * new[2:]
+    cross -= old[2:] * new[1:4]
+    cross *= cross
+    sine = np.add.reduce(cross, axis=0)
     np.sqrt(sine, out=sine)
-    cosine = np.multiply(a, x, out=side)
-    cosine += np.multiply(b, y, out=other)
-    cosine += np.multiply(c, z, out=other)
-    return np.degrees(np.arctan2(sine, cosine, out=sine), out=sine)
+    cosine = np.einsum("ij,ij->j", old[:3], new[:3])
+    return np.arctan2(sine, cosine, out=sine)

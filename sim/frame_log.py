@@ -5,10 +5,10 @@ mailbox replaced has ``display_ns`` -1).  `COUNTS` are float64.  Both tuples are
 column order, of the Parquet files that `write_frame_log` makes.
 """
 
-from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
+from struct import Struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -179,12 +179,13 @@ class CountRows:
         If a name is missing or there is none such.
     """
 
-    __slots__ = ("_in_order", "_values", "_width")
+    __slots__ = ("_in_order", "_pack", "_values", "_width")
 
     def __init__(self, names: Sequence[str]) -> None:
         if wrong := sorted({*COUNTS, *CONSTANT}.symmetric_difference(names)):
             raise KeyError(*wrong)
-        self._values, self._width = array("d"), len(names)
+        self._values, self._width = bytearray(), len(names)
+        self._pack = Struct(f"={len(COUNTS)}d").pack
         # By position and in C: a loop over names would cost more than the frame.
         pick: Any = itemgetter(*map(names.index, COUNTS))
         self._in_order: Callable[[Sequence[float]], tuple[float, ...]] = pick
@@ -193,7 +194,7 @@ class CountRows:
         """Add a frame: its values in the order of the names; ValueError if they are not as many."""
         if len(row) != self._width:
             raise ValueError(f"expected {self._width} values a frame, got {len(row)}")
-        self._values.extend(self._in_order(row))
+        self._values += self._pack(*self._in_order(row))
 
     def table(self) -> FloatArray:
         """Return the rows so far, (n, len(COUNTS))."""

@@ -3,6 +3,9 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..base.arrays import BoolArray, FloatArray
 from ..base.errors import PolicyError
 from ..base.predictors import GPU_PREDICTORS
@@ -107,10 +110,18 @@ class FrameRecorder:
         self._rows = CountRows(_ROW)
         self.last_detail = self._accounting.switches.detail
 
-    def record(self, view: View, selection: Selection, *, repeats: bool) -> tuple[int, int]:
+    def record(
+        self,
+        view: View,
+        selection: Selection,
+        *,
+        repeats: bool,
+        changed: NDArray[np.intp] | None,
+    ) -> tuple[int, int]:
         """Record a frame that draws a valid selection; return nanoseconds of CPU and GPU.
 
-        `repeats` says that it is the same nodes at the same details as in the frame before.
+        `repeats` says that it is the same nodes at the same details as in the frame before, and
+        `changed` where details are not those last drawn, if that is known (`SelectionCheck`).
 
         Raises
         ------
@@ -121,18 +132,19 @@ class FrameRecorder:
         if self._fronts is not None:
             selection = _culled(selection, view.state.inside)
         drawn = accounting.drawn(selection, view, repeats=repeats)
-        switches = accounting.switches.record(view.frame, view.time_ns, drawn)
+        switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
         tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
         counts = (*tally.price.units, *self._cpu_counts(view, selection, drawn))
         named = dict(zip(_PREDICTORS, counts, strict=True))
-        times = self._machine.run(Submitted(view, selection, drawn, named, tally.gpu_ms))
+        gpu_ms = tally.price.gpu_ms
+        times = self._machine.run(Submitted(view, selection, drawn, named, gpu_ms))
         self._rows.append(
             (
                 *counts,
                 tally.fading,
-                tally.gpu_ms,
+                gpu_ms,
                 selection.predicted_ms,
                 times.cpu_ms,
                 times.gpu_ms,

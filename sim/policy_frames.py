@@ -107,7 +107,10 @@ class PolicyFrames:
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera
         self._previous_s, self._previous_centers = time_ns * 1e-9, view.state.centers
-        costs_ns = self._recorder.record(view, selection, repeats=self._check.repeats)
+        check = self._check
+        costs_ns = self._recorder.record(
+            view, selection, repeats=check.repeats, changed=check.changed
+        )
         # What is wanted is read while the frame is drawn: the next one may have it, not this one.
         self._memory.want(time_ns, selection.wanted)
         return costs_ns

@@ -1,7 +1,9 @@
 """The check of every selection of a replay, which is short where nothing has changed."""
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..base.arrays import FloatArray
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.selection import (
@@ -22,6 +24,9 @@ class SelectionCheck:
     repeats : bool
         Whether the last selection draws all candidates at the details of the one before it, and
         the candidates are the same: then its nodes and details need no second look.
+    changed : (c,) intp, or None
+        Positions at which the last selection draws another detail than the node was last drawn at;
+        None if that was not looked for.
     """
 
     def __init__(self, scene: Scene, tree: Tree | None) -> None:
@@ -32,9 +37,11 @@ class SelectionCheck:
         self._ids: object = None
         self._detail = b""
         self.repeats = False
+        self.changed: NDArray[np.intp] | None = None
 
     def find_violation(self, selection: object, view: View) -> str | None:
         """Return why a selection breaks its contract, or None; nothing is ever repaired."""
+        self.changed = None
         self.repeats = type(selection) is Selection and self._is_last(selection, view)
         if self.repeats:
             assert isinstance(selection, Selection)
@@ -46,20 +53,12 @@ class SelectionCheck:
         plain = selection.ids is view.ids and selection.holder is None
         self._ids = view.ids if plain else None
         self._detail = selection.detail.tobytes() if plain else b""
-        if plain and self._discrete and self._holds_levels(view):
-            return None
+        if plain and self._discrete:
+            self.changed = _find_changed(selection.detail, view)
+            if _are_levels(selection.detail, self.changed, view):
+                return None
         wrong = find_wrong_nodes(selection, view.nodes, self._tree)
         return wrong or find_not_resident(selection, view)
-
-    def _holds_levels(self, view: View) -> bool:
-        """Whether the kept details are levels of the candidates, the common case in three passes.
-
-        False says nothing: -0.0 may be a level too.
-        """
-        level = np.trunc(np.frombuffer(self._detail))
-        np.fmax(level, 0.0, out=level)  # `maximum` would hand NaN through, which is no level
-        np.minimum(level, view.nodes.coarsest_level, out=level)
-        return level.tobytes() == self._detail
 
     def _is_last(self, selection: Selection, view: View) -> bool:
         if self._ids is not view.ids or selection.ids is not view.ids:
@@ -74,3 +73,20 @@ class SelectionCheck:
             and detail.ndim == 1
             and detail.tobytes() == self._detail
         )
+
+
+def _find_changed(detail: FloatArray, view: View) -> NDArray[np.intp]:
+    """Return the positions of candidates whose details are not those that they last had."""
+    return (detail != view.previous_detail).nonzero()[0]
+
+
+def _are_levels(detail: FloatArray, changed: NDArray[np.intp], view: View) -> bool:
+    """Whether details are levels of the candidates; False says nothing, as -0.0 may be one too.
+
+    What a node was last drawn at was a level of its type then, and so is one now.
+    """
+    level = detail.take(changed)
+    nearest = np.trunc(level)
+    np.fmax(nearest, 0.0, out=nearest)  # `maximum` would hand NaN through, which is no level
+    np.minimum(nearest, view.nodes.coarsest_level.take(changed), out=nearest)
+    return nearest.tobytes() == level.tobytes()

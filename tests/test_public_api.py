@@ -17,7 +17,7 @@ from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.analysis.gate.check import CheckPlan
 from lodbench.analysis.gate.measurements import MeasureOptions
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.study.compare import CompareOptions
+from lodbench.analysis.study.compare import CompareSettings
 from lodbench.analysis.study.comparison_folder import read_results
 from lodbench.models.machine.profile_catalog import list_hardware
 from lodbench.policies.controllers.feedback import Feedback
@@ -48,6 +48,11 @@ class Fine:
         return lodbench.Selection(view.ids, np.zeros(len(view)))
 
 
+SHORT: dict[str, Any] = {
+    "scene": "plaza", "traces": "walk", "paths": 1, "seconds": (0.0, 1.5), "seeds": 2,
+}  # fmt: skip
+
+
 def html_of(result: Any) -> str:
     """Return what a notebook shows of a result."""
     return result._repr_html_()
@@ -57,7 +62,7 @@ def html_of(result: Any) -> str:
 def compared() -> lodbench.Comparison:
     """Return a comparison of a class, an object, a name, and one that is refused."""
     policies = [Fine, Fine(0.5, "<b>"), "full", "feedback:target=2"]
-    return lodbench.compare(policies, seconds=(0.0, 1.5))
+    return lodbench.compare(policies, **SHORT)
 
 
 def test_the_list_of_names_is_sorted_and_whole() -> None:
@@ -109,7 +114,7 @@ def test_signatures_are_those_of_the_design() -> None:
     ("function", "options"),
     [
         ("replay", (ReplayOptions,)),
-        ("compare", (ReplayOptions, CompareOptions)),
+        ("compare", (ReplayOptions, CompareSettings)),
         ("check", (CheckPlan, MeasureOptions)),
         ("fit", (FitOptions, SamplerOptions)),
     ],
@@ -168,14 +173,14 @@ def test_frame_logs_show_themselves() -> None:
 
 def test_comparisons_show_themselves(compared: lodbench.Comparison) -> None:
     """One row a policy, those that failed too, with values and ends as the record has them."""
-    assert repr(compared).endswith("Fine ok, Fine:share=0.5,label=<b> ok, full ok, "
-                                   "feedback:target=2 failed>")  # fmt: skip
+    assert repr(compared) == f"<Comparison in plaza, 16.67 ms: {compared.answer[0]}>"
+    assert compared.answer[0] in html_of(compared)
     rows = compared.to_table().to_pylist()
     assert [row["policy"] for row in rows] == [policy.label for policy in compared.policies]
     score = compared.policies[0].metrics["work_ms_p95"]
     row = rows[0]
     assert (row["work_ms_p95"], row["work_ms_p95_low"], row["work_ms_p95_high"]) == (
-        score.value, score.low, score.high,
+        score.value, *(score.such_paths or (None, None)),
     )  # fmt: skip
     assert {metric.id for metric in METRICS} <= set(row)
     assert rows[3]["work_ms_p95"] is None
@@ -191,27 +196,34 @@ def test_names_are_escaped_in_html(compared: lodbench.Comparison) -> None:
 
 def test_objects_are_told_apart_by_their_parameters(compared: lodbench.Comparison) -> None:
     """An object is labelled by what differs from the defaults, which the record holds as well."""
-    assert compared.policies[1].params == {"share": 0.5, "label": "<b>"}
-    assert compared.policies[0].metrics == compared.policies[2].metrics
+    found = {policy.label: policy for policy in compared.policies}
+    assert found["Fine:share=0.5,label=<b>"].params == {"share": 0.5, "label": "<b>"}
+    assert found["Fine"].metrics == found["full"].metrics
 
 
 def test_a_mapping_gives_labels() -> None:
     """Two objects of one look are told apart by the labels of a mapping, and only so."""
-    labelled = lodbench.compare({"a": Fine(), "b": Fine()}, seconds=(0.0, 1.2))
+    labelled = lodbench.compare({"a": Fine(), "b": Fine()}, **SHORT)
     assert [policy.label for policy in labelled.policies] == ["a", "b"]
     with pytest.raises(lodbench.InputError, match="Fine twice"):
-        lodbench.compare([Fine(), Fine()], seconds=(0.0, 1.2))
+        lodbench.compare([Fine(), Fine()], **SHORT)
 
 
-def test_only_one_trace_is_compared_on(tmp_path: Path) -> None:
-    """More than one trace is refused, not silently cut to the first."""
-    with pytest.raises(lodbench.InputError, match="traces: expected one, got 2"):
-        lodbench.compare("full", traces=["walk", "tour"])
+def test_traces_are_one_or_several(tmp_path: Path) -> None:
+    """Kinds, traces and names stand beside each other; what is written is what is returned."""
     out = tmp_path / "run"
-    compared = lodbench.compare("full", traces=["walk"], seconds=(0.0, 1.2), out=out)
-    read, logs = read_results(out)
-    assert read == compared
-    assert logs["full"]["input_ns"][-1] <= 1.2e9
+    walked = lodbench.load_trace("tour", "plaza")
+    given = SHORT | {"traces": ["walk", walked], "paths": 2}
+    compared = lodbench.compare("full", out=out, **given)
+    assert len(compared.paths) == 3
+    assert compared.paths[-1] == "tour 0:1.5 s"
+    assert compared.window_s == ((1.0, 1.5),) * 3
+    read = read_results(out)
+    assert read.comparison == compared
+    assert read.logs["full"]["input_ns"][-1] <= 1.5e9
+    score = compared.policies[0].metrics["work_ms_p95"]
+    (row,) = compared.to_table().to_pylist()
+    assert (row["work_ms_p95_low"], row["work_ms_p95_high"]) == score.such_paths
 
 
 def test_check_judges_what_the_command_judges() -> None:

@@ -118,6 +118,8 @@ def measure(
     would be warm-up.
     """
     require_distinct(policies)
+    for policy in policies:
+        policy.check_parameters()
     require_paths(paths, warmup_s)
     bench = make_bench(policies, scene, paths, hardware, options, warmup_s)
     seeds = range(options.seed, options.seed + sampling.seeds)

@@ -24,9 +24,7 @@ HEADLINE = (
     MetricColumn("visible_pops_per_s", "visible\npops\n/s"),
     MetricColumn("work_ms_mean", "work\nmean\nms"),
     MetricColumn("over_budget_time_fraction", "over\nbudget\n% time", percent=True),
-    MetricColumn("sse_px_p95", "error\np95\npx"),
     MetricColumn("lag_ms_mean", "lag\nmean\nms"),
-    MetricColumn("toggles_per_s", "toggles\n\n/s"),
 )
 """Metrics of the order first, then what explains them."""
 
@@ -100,9 +98,9 @@ def describe_run(comparison: Comparison) -> str:
 def describe_paths(comparison: Comparison) -> str:
     """Return how many paths there were, and what of each counts."""
     first = comparison.paths[0]
-    low, high = first.window_s
-    alike = all(path.window_s == first.window_s for path in comparison.paths)
+    low, high = comparison.window_s[0]
+    alike = len(set(comparison.window_s)) == 1
     window = f"{low:g} to {high:g} s" if alike else "each from its warm-up to its end"
     if len(comparison.paths) == 1:
-        return f"{first.name}, {window}"
-    return f"{len(comparison.paths)} paths such as {first.name}, {window}"
+        return f"{first}, {window}"
+    return f"{len(comparison.paths)} paths such as {first}, {window}"

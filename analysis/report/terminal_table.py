@@ -61,12 +61,13 @@ def explain(comparison: Comparison) -> str:
     draws = f", {s.draws} draws of the cost model" if s.draws else ""
     return (
         f"keeps: probability that work time is within the budget for {1.0 - comparison.miss:.0%} "
-        f"of the time on {s.population}, and how many of the judged paths were kept; "
+        f"of the time on {comparison.population}, and how many of the judged paths were kept; "
         f"{s.tuned_on}.\n"
         "Ranks are of those that keep it with .9 or more, by visible error (beyond "
-        f"{comparison.visible_px:g} px), then visible pops, then work; within the margin of "
+        f"{comparison.visible:g} px), then visible pops, then work; within the margin of "
         f"{comparison.margin:.0%} they share the rank.\n"
-        f"Intervals (--wide): {s.level:.0%}, {s.population}; {s.seeds} seeds a path{draws}."
+        f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
+        f"{draws}."
     )
 
 

@@ -102,6 +102,7 @@ def open_gauge(
     Measuring raises `PolicyError` if the policy breaks its contract, and `InputError` if it does
     not fit the scene.
     """
+    spec.check_parameters()
     inputs = {content_hash(value): value for value in (scene, hardware)}
     scene_hash, hardware_hash = inputs
     with open_engine(inputs, workers=1, limits=limits, scheduler=scheduler) as engine:

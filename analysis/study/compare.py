@@ -118,6 +118,8 @@ def compare(
     """
     settings = settings or CompareSettings()
     require_distinct(policies)
+    for policy in policies:
+        policy.check_parameters()
     require_paths(paths, settings.warmup_s)
     knobs = {} if settings.as_shipped else find_knobs(policies)
     bench, rotation = _bench(policies, scene, paths, hardware, replay_options, settings, knobs)
@@ -142,6 +144,7 @@ def compare(
         tuned = tune(replays, rotation, replay_options.budget_ms, first)
         replays.make(judging.places(tuned))
     sampling = make_sampling(len(paths), seeds, len(draws), knobs, VARIATIONS)
+    population = "this path" if single else "such paths"
     verdict = reach_verdict(
         judging.outcome(replays, tuned),
         judging.unscored(replays),
@@ -149,7 +152,7 @@ def compare(
         Terms(
             budget_ms=replay_options.budget_ms,
             margin=settings.margin,
-            population=sampling.population,
+            population=population,
             paths=tuple(path.name for path in paths),
             seed=first,
         ),
@@ -161,6 +164,7 @@ def compare(
         paths,
         hardware,
         sampling,
+        population=population,
         margin=settings.margin,
         command=settings.command,
     )

@@ -9,7 +9,7 @@ from ...traces.cameras.camera_trace import CameraTrace
 from ..verdict.scores import LEVEL
 from ..verdict.verdict import Verdict
 from .code_hash import code_hash
-from .comparison import Comparison, Conditions, PathInfo, Provenance, Sampling
+from .comparison import Comparison, Conditions, Provenance, Sampling
 from .replays import Bench
 
 
@@ -21,31 +21,38 @@ def make_comparison(
     hardware: HardwareProfile,
     sampling: Sampling,
     *,
+    population: str,
     margin: float,
     command: str,
 ) -> Comparison:
     """Return the record of a verdict on judged paths."""
     options = bench.options
-    windows = [(bench.warmup_s, path.duration_s) for path in paths]
+    order = verdict.order
     return Comparison(
         scene=scene.name,
-        paths=tuple(PathInfo(path.name, at) for path, at in zip(paths, windows, strict=True)),
+        paths=tuple(path.name for path in paths),
         hardware=hardware.name,
         budget_ms=options.budget_ms,
         miss=bench.miss,
-        visible_px=options.visible_px,
-        margin=margin,
         seed=options.seed,
+        window_s=tuple((bench.warmup_s, path.duration_s) for path in paths),
+        population=population,
+        visible=options.visible_px,
+        margin=margin,
         conditions=_conditions(bench, scene, hardware),
         sampling=sampling,
         warnings=verdict.warnings,
         answer=verdict.answer,
         policies=verdict.policies,
+        p_best=order.p_best,
+        p_near_best=order.p_near_best,
+        regret=order.regret,
         chances=verdict.chances,
         least_miss=verdict.least_miss,
-        curves=verdict.curves,
+        curve=verdict.curves,
+        worst_moments=verdict.worst_moments,
         robustness=verdict.robustness,
-        provenance=_provenance(bench, command),
+        provenance=make_provenance(bench, command),
     )
 
 
@@ -59,8 +66,17 @@ def make_sampling(
         tuned_on = f"knobs were tuned on {variations} variations of the path"
     else:
         tuned_on = "knobs were tuned on other paths than those they are judged on"
-    population = "this path" if paths == 1 else "such paths"
-    return Sampling(LEVEL, seeds, draws, population, tuned_on)
+    return Sampling(LEVEL, seeds, draws, tuned_on)
+
+
+def make_provenance(bench: Bench, command: str) -> Provenance:
+    """Return what made a result of a bench."""
+    kinds = {bench.scene: "scene", bench.hardware: "hardware"}
+    hashes = {  # a scene, a path and a machine may have one name
+        f"{kinds.get(digest, 'path')} {value.name}": digest
+        for digest, value in bench.inputs.items()
+    }
+    return Provenance(command, version("lodbench"), code_hash(), hashes)
 
 
 def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:
@@ -78,8 +94,3 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
     )
-
-
-def _provenance(bench: Bench, command: str) -> Provenance:
-    hashes = {value.name: digest for digest, value in bench.inputs.items()}
-    return Provenance(command, version("lodbench"), code_hash(), hashes)

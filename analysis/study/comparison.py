@@ -88,7 +88,8 @@ class Keeps:
     Attributes
     ----------
     probability : float or None
-        That it keeps another path of the kind; None where one path says nothing of others.
+        That it keeps another path of the kind, or of a single path another replay; None where
+        a single replay says nothing of others.
     kept, paths : int
         Of the judged paths, how many it kept; each was judged at a knob tuned on others.
     low, high : float
@@ -141,7 +142,6 @@ class PolicyResult:
     leader: str | None = None
     same_as: str | None = None
     metrics: dict[str, Score] = field(default_factory=dict[str, Score])
-    worst: Moment | None = None
     steps: tuple[Step, ...] = ()
 
     def value_of(self, metric: str) -> float | None:
@@ -168,14 +168,6 @@ class Conditions:
 
 
 @dataclass(frozen=True, slots=True)
-class PathInfo:
-    """A path: its name, and the seconds of it that count."""
-
-    name: str
-    window_s: Span
-
-
-@dataclass(frozen=True, slots=True)
 class Sampling:
     """How intervals and probabilities were made.
 
@@ -187,8 +179,6 @@ class Sampling:
         Replays of each path under other noise.
     draws : int
         Posterior draws of the cost model; 0 if the profile has none.
-    population : str
-        What probabilities are about.
     tuned_on : str
         What knobs were tuned on.
     """
@@ -196,7 +186,6 @@ class Sampling:
     level: float
     seeds: int
     draws: int
-    population: str
     tuned_on: str
 
 
@@ -235,16 +224,16 @@ class Chances:
 
     Attributes
     ----------
-    best : dict of str to float
-        Probability of being the best in the mean over such paths.
-    near_best : dict of str to float
+    p_best : dict of str to float
+        Probability of being the best in the mean over such paths, or over replays of one.
+    p_near_best : dict of str to float
         Probability of being within the margin of the best.
     regret : dict of str to float
         Expected distance from the best, in the metric's unit.
     """
 
-    best: dict[str, float]
-    near_best: dict[str, float]
+    p_best: dict[str, float]
+    p_near_best: dict[str, float]
     regret: dict[str, float]
 
 
@@ -296,7 +285,7 @@ class Robustness:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """What made the result: command, version, and content hashes of what went in."""
+    """What made the result: command, version, and content hashes of what went in, by name."""
 
     command: str
     version: str
@@ -312,8 +301,12 @@ class Comparison:
     ----------
     miss : float
         Share of time for which a policy may exceed the budget and still keep it.
-    visible_px : float
-        Error, and change of error, that counts as seen.
+    window_s : tuple of (from, to)
+        Seconds of each path that count.
+    population : str
+        What probabilities and answer are about, in words that follow "on".
+    visible : float
+        Error, and change of error, in pixels, that counts as seen.
     margin : float
         Part of the best's value within which others are as good.
     warnings : tuple of str
@@ -322,28 +315,44 @@ class Comparison:
         Three sentences.
     policies : tuple of PolicyResult
         In the order of the answer: by rank, then those that miss by how much, oracles, the rest.
+    p_best, p_near_best : dict of str to float
+        By label of each policy that keeps the budget, the probability that on another such set of
+        paths, or of a single path in other replays, it comes first in the order, or within the
+        margin of the first; empty where there is a single replay.
+    regret : dict of str to float
+        Expected visible error above that of the best, in pixels.
     chances : dict of str to Chances
-        By metric of the order, and of ``order`` itself; empty for a single path.
-    curves : dict of str to Curve
+        The same in each metric of the order alone, by metric.
+    least_miss : LeastMiss or None
+        None where some policy keeps the budget.
+    curve : dict of str to Curve
         By label, of the policies that were tuned.
+    worst_moments : dict of str to Moment
+        By label, when most work was done in any judged run.
     """
 
     scene: str
-    paths: tuple[PathInfo, ...]
+    paths: tuple[str, ...]
     hardware: str
     budget_ms: float
     miss: float
-    visible_px: float
-    margin: float
     seed: int
+    window_s: tuple[Span, ...]
+    population: str
+    visible: float
+    margin: float
     conditions: Conditions
     sampling: Sampling
     warnings: tuple[str, ...]
     answer: tuple[str, ...]
     policies: tuple[PolicyResult, ...]
+    p_best: dict[str, float]
+    p_near_best: dict[str, float]
+    regret: dict[str, float]
     chances: dict[str, Chances]
     least_miss: LeastMiss | None
-    curves: dict[str, Curve]
+    curve: dict[str, Curve]
+    worst_moments: dict[str, Moment]
     robustness: Robustness | None
     provenance: Provenance
     schema: Literal["lodbench.compare/2"] = SCHEMA

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...policies.policy_spec import PolicySpec, is_oracle
+from ...base.errors import InputError
+from ...policies.knob import declared_knob
+from ...policies.policy_spec import PolicySpec, is_oracle, parameters
 from ..verdict.curve import Curve
 from ..verdict.judged import Judged
 from .comparison import KnobSetting, PolicyResult
@@ -168,15 +170,15 @@ class Judging:
         return replace(spec, params=spec.params | {name: tuned.point.value})
 
     def _setting(self, label: str, tuned: Tuned | None) -> KnobSetting | None:
-        if tuned is not None:
-            return KnobSetting(
-                self.bench.knobs[label].name,
-                tuned.point.value,
-                tuned=True,
-                monotone=tuned.point.monotone,
-                folds=tuple(tuned.judged.tolist()),
-            )
-        return None
+        if tuned is None:
+            return _as_given(self.bench.specs[label])
+        return KnobSetting(
+            self.bench.knobs[label].name,
+            tuned.point.value,
+            tuned=True,
+            monotone=tuned.point.monotone,
+            folds=tuple(tuned.judged.tolist()),
+        )
 
     def _curve(self, replays: Replays, label: str, tuned: Tuned) -> Curve:
         def table(metric: str) -> FloatArray:
@@ -184,7 +186,7 @@ class Judging:
                 [
                     [
                         replays[Place(label, path, self.seed, value)].values[metric] or 0.0
-                        for path in self.rotation.training
+                        for path in self.rotation.scanned
                     ]
                     for value in tuned.values.tolist()
                 ]
@@ -193,9 +195,23 @@ class Judging:
         values = tuned.values.tolist()
         return Curve(
             knob=tuned.values,
-            p99_ms=quantiles_ms(replays, label, values, self.rotation.training, self.seed),
+            p99_ms=quantiles_ms(replays, label, values, self.rotation.scanned, self.seed),
             work_ms=table("work_ms_mean"),
             error_px=table("visible_error_px"),
             pops_per_s=table("visible_pops_per_s"),
             lag_ms=table("lag_ms_mean"),
         )
+
+
+def _as_given(spec: PolicySpec) -> KnobSetting | None:
+    """Return the knob of a policy that is not tuned, None if it has none or it is not known."""
+    try:
+        knob = declared_knob(spec)
+    except InputError:  # a knob that nobody turns may be wrong
+        return None
+    if knob is None:
+        return None
+    default = next(each.default for each in parameters(spec.cls) if each.name == knob.name)
+    value = spec.params.get(knob.name, default)
+    known = isinstance(value, int | float) and not isinstance(value, bool)
+    return KnobSetting(knob.name, float(value), tuned=False) if known else None

@@ -240,6 +240,14 @@ class Replays:
                 self._progress(done, self._asked)
         self._keep(wanted, results)
 
+    def narrow(self, labels: Collection[str]) -> None:
+        """Go on with some policies; what became of the others is forgotten."""
+        specs = {label: spec for label, spec in self.bench.specs.items() if label in labels}
+        knobs = {label: knob for label, knob in self.bench.knobs.items() if label in labels}
+        self.bench = replace(self.bench, specs=specs, knobs=knobs)
+        self.failures = {label: why for label, why in self.failures.items() if label in labels}
+        self._scored = {at: scored for at, scored in self._scored.items() if at.policy in labels}
+
     def _begin(self, runs: Sequence[Run]) -> tuple[dict[int, Scored | Failure], list[int]]:
         """Return what an earlier start left of a round, and which of its runs are missing."""
         if self._work is None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...base.errors import InputError, require_real
+from ...base.quantities import count_text
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import PolicyLikes, default_policies, specs_of
 from ...sim.faults import Faults
@@ -139,6 +140,9 @@ class Study:
         excluded = _exclusions(exclude)
         specs = specs_of(default_policies() if policies is None else policies)
         varied = by_label(parameters or {}, specs)
+        for spec in specs:
+            if not varied[spec.label]:  # else combinations are looked at when they are listed
+                spec.check_parameters()
         self._blocks = tuple(
             self._block(spec, varied[spec.label], [*excluded, *other_draws]) for spec in specs
         )
@@ -158,7 +162,7 @@ class Study:
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {len(cells)}" for name, cells in self.axes.items())
-        return f"<Study {self.name}: {len(self):,} runs; {sizes}>"
+        return f"<Study {self.name}: {count_text(len(self), 'run')}; {sizes}>"
 
     @cached_property
     def axes(self) -> dict[str, tuple[Cell, ...]]:
@@ -193,10 +197,12 @@ class Study:
     def run_list(self, cases: Iterable[Case] | None = None) -> RunList:
         """Return the runs, or some of them, with their digests and their columns of results.
 
-        Raises `InputError` as `inputs`, if all runs are excluded or two are the same, or if a
-        policy was typed where it has no source to tell it by.
+        Raises `InputError` as `inputs`, if all runs are excluded or two are the same, if parameters
+        do not go together, or if a policy was typed where it has no source to tell it by.
         """
         cases = tuple(self.cases() if cases is None else cases)
+        for policy in {case.run.owner: case.run.policy for case in cases}.values():
+            policy.check_parameters()
         names = ["policy", *(name for name in self.axes if name not in COLUMNS)]
         columns = {
             BASE_POLICY if name == "policy" else name: [case.cells.get(name) for case in cases]

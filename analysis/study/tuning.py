@@ -6,18 +6,28 @@ rotation, so that no path helps to choose the knob that it judges.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...policies.knob import Knob
 from ..verdict.folds import folds
-from ..verdict.operating_point import OperatingPoint, next_knob, operating_point
+from ..verdict.operating_point import (
+    OperatingPoint,
+    keeps_surely,
+    next_knob,
+    operating_point,
+)
 from .replays import Place, Replays
 
-FIRST_VALUES = 6
-"""Values of a knob that are replayed before anything is known, its ends among them."""
+SCANNED_VALUES = 6
+"""Values of a knob, its ends among them, that are replayed before anything is known."""
+SCANNED_PATHS = 4
+"""Paths on which they are: enough to see where the budget lies, and for curves."""
+_STEP = 0.2
+"""Between values that are replayed on all paths until some keep the budget and some do not, of the
+distance of those that are scanned."""
 MOST_VALUES = 14
 """Values of a knob that are replayed at most."""
 
@@ -29,7 +39,7 @@ class Tuned:
     Attributes
     ----------
     values : (K,) float64
-        What was replayed, from coarse to fine.
+        What was replayed on the scanned paths, from coarse to fine.
     point : OperatingPoint
         From all training paths: what is recommended.
     judged : (n,) float64
@@ -59,6 +69,11 @@ class Rotation:
     judged: tuple[int, ...]
     sets: tuple[tuple[int, ...], ...]
 
+    @property
+    def scanned(self) -> tuple[int, ...]:
+        """Positions of the paths on which the whole range of a knob is replayed."""
+        return self.training[:SCANNED_PATHS]
+
 
 def rotate(paths: int, variations: int) -> Rotation:
     """Return who is tuned and judged on what.
@@ -81,29 +96,18 @@ def tune(replays: Replays, rotation: Rotation, budget_ms: float, seed: int) -> d
 
     A policy that fails on the way is left out; `Replays.failures` says why.
     """
-    knobs = replays.bench.knobs
-    values = {label: list(knob.values(FIRST_VALUES)) for label, knob in knobs.items()}
-    asked = values
-    while asked:
-        replays.make(
-            Place(label, path, seed, value)
-            for label, new in asked.items()
-            for value in new
-            for path in rotation.training
-        )
-        asked = {}
-        for label in values.keys() - replays.failures.keys():
-            after = _next(replays, rotation, label, values[label], budget_ms, seed)
-            if after is not None and len(values[label]) < MOST_VALUES:
-                asked[label] = [after]
-        asked = dict(sorted(asked.items()))
-        for label, new in asked.items():
-            values[label] = _ordered(knobs[label], [*values[label], *new])
-    return {
-        label: _chosen(replays, rotation, label, known, budget_ms, seed)
-        for label, known in values.items()
-        if label not in replays.failures
+    search = {
+        label: _Search(replays, rotation, label, knob, budget_ms, seed)
+        for label, knob in replays.bench.knobs.items()
     }
+    replays.make(place for one in search.values() for place in one.scan())
+    while asked := {
+        label: value
+        for label, one in search.items()
+        if label not in replays.failures and (value := one.next_value()) is not None
+    }:
+        replays.make(place for label, value in asked.items() for place in search[label].ask(value))
+    return {label: one.chosen() for label, one in search.items() if label not in replays.failures}
 
 
 def quantiles_ms(
@@ -115,43 +119,104 @@ def quantiles_ms(
     )
 
 
-def _next(
-    replays: Replays,
-    rotation: Rotation,
-    label: str,
-    values: list[float],
-    budget_ms: float,
-    seed: int,
-) -> float | None:
-    """Return the value to replay next, None where the operating points are known."""
-    knob = replays.bench.knobs[label]
-    work_ms = quantiles_ms(replays, label, values, rotation.training, seed)
-    column = {path: at for at, path in enumerate(rotation.training)}
-    sets = dict.fromkeys((rotation.training, *rotation.sets))
-    training = [np.array([column[path] for path in paths]) for paths in sets]
-    after = next_knob(np.array(values), work_ms, budget_ms, knob.scale, training)
-    if after is None:
-        return None
-    short = float(f"{after:.4g}")
-    return None if short in values else short
+class _Search:
+    """The search for one policy's operating points.
+
+    Its whole range is scanned on few paths; near the budget values are replayed on all.
+    """
+
+    def __init__(
+        self,
+        replays: Replays,
+        rotation: Rotation,
+        label: str,
+        knob: Knob,
+        budget_ms: float,
+        seed: int,
+    ) -> None:
+        self._replays, self._rotation = replays, rotation
+        self._label, self._knob, self._budget_ms, self._seed = label, knob, budget_ms, seed
+        self._known = list(knob.values(SCANNED_VALUES))  # on the scanned paths, coarse to fine
+        self._whole: list[float] = []  # of these, on all training paths
+
+    def scan(self) -> list[Place]:
+        """Return the replays over the whole range."""
+        scanned = self._rotation.scanned
+        return [self._place(path, value) for value in self._known for path in scanned]
+
+    def ask(self, value: float) -> list[Place]:
+        """Return the replays of a value on all training paths."""
+        if value not in self._known:
+            self._known = self._ordered([*self._known, value])
+        self._whole = self._ordered([*self._whole, value])
+        return [self._place(path, value) for path in self._rotation.training]
+
+    def next_value(self) -> float | None:
+        """Return the value to replay next on all paths, None where all points are known."""
+        if not self._whole:
+            return self._first_value()
+        work_ms = self._work_ms(self._whole, self._rotation.training)
+        column = {path: at for at, path in enumerate(self._rotation.training)}
+        sets = dict.fromkeys((self._rotation.training, *self._rotation.sets))
+        training = [np.array([column[path] for path in paths]) for paths in sets]
+        sure = [keeps_surely(np.log(work_ms[:, paths] / self._budget_ms)) for paths in training]
+        # Every set needs a value that keeps the budget beside a finer one that does not, or an end.
+        if not all(of.any() for of in sure) and (beside := self._step(self._whole[0], -1)):
+            return beside
+        if any(of[-1] for of in sure) and (beside := self._step(self._whole[-1], 1)):
+            return beside
+        if not self._is_monotone() and (left := [v for v in self._known if v not in self._whole]):
+            return left[0]
+        if len(self._known) >= MOST_VALUES:
+            return None
+        values, scale = np.array(self._whole), self._knob.scale
+        after = next_knob(values, work_ms, self._budget_ms, scale, training)
+        if after is None:
+            return None
+        short = _short(after)
+        return None if short in self._whole else short
+
+    def chosen(self) -> Tuned:
+        """Return the operating points of all training sets."""
+        sets = self._rotation.sets
+        of_set = {paths: self._point(paths).value for paths in dict.fromkeys(sets)}
+        judged = np.array([of_set[paths] for paths in sets])
+        return Tuned(np.array(self._known), self._point(self._rotation.training), judged)
+
+    def _first_value(self) -> float:
+        """Return where the budget should be, by the scanned paths: between two values that were."""
+        work_ms = self._work_ms(self._known, self._rotation.scanned)
+        found = operating_point(np.array(self._known), work_ms, self._budget_ms)
+        values, scale = np.array(self._known), self._knob.scale
+        everyone = [np.arange(len(self._rotation.scanned))]
+        between = next_knob(values, work_ms, self._budget_ms, scale, everyone)
+        return found.value if between is None else _short(between)
+
+    def _step(self, value: float, way: int) -> float | None:
+        """Return the value a step finer (1) or coarser (-1), None at an end of the range."""
+        at = self._knob.where(value) + way * _STEP / (SCANNED_VALUES - 1)
+        stepped = self._knob.at(min(max(at, 0.0), 1.0))
+        return None if stepped == value or stepped in self._whole else stepped
+
+    def _is_monotone(self) -> bool:
+        work_ms = self._work_ms(self._known, self._rotation.scanned)
+        return operating_point(np.array(self._known), work_ms, self._budget_ms).monotone
+
+    def _point(self, paths: tuple[int, ...]) -> OperatingPoint:
+        work_ms = self._work_ms(self._whole, paths)
+        found = operating_point(np.array(self._whole), work_ms, self._budget_ms)
+        return replace(found, monotone=found.monotone and self._is_monotone())
+
+    def _work_ms(self, values: Sequence[float], paths: Sequence[int]) -> FloatArray:
+        return quantiles_ms(self._replays, self._label, values, paths, self._seed)
+
+    def _place(self, path: int, value: float) -> Place:
+        return Place(self._label, path, self._seed, value)
+
+    def _ordered(self, values: Sequence[float]) -> list[float]:
+        return sorted(set(values), reverse=self._knob.finer == "lower")
 
 
-def _chosen(
-    replays: Replays,
-    rotation: Rotation,
-    label: str,
-    values: list[float],
-    budget_ms: float,
-    seed: int,
-) -> Tuned:
-    def point(paths: tuple[int, ...]) -> OperatingPoint:
-        work_ms = quantiles_ms(replays, label, values, paths, seed)
-        return operating_point(np.array(values), work_ms, budget_ms)
-
-    of_set = {paths: point(paths).value for paths in dict.fromkeys(rotation.sets)}
-    judged = np.array([of_set[paths] for paths in rotation.sets])
-    return Tuned(np.array(values), point(rotation.training), judged)
-
-
-def _ordered(knob: Knob, values: list[float]) -> list[float]:
-    return sorted(values, reverse=knob.finer == "lower")
+def _short(value: float) -> float:
+    """Return a value with so many digits as a label shows."""
+    return float(f"{value:.4g}")

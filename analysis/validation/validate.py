@@ -12,12 +12,11 @@ from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
+from ..study.score import Scored
+from ..verdict.scores import LEVEL
 from .ranks import kendall_tau
 from .time_errors import adapted_ms, at_times, summarise
 from .validation_result import Agreement, Errors, PolicyValidation, Rank, Validation
-
-LEVEL = 0.9
-"""Coverage of the simulated intervals: where one recording lies."""
 
 UNRECORDED = ("splats", "texture_bytes")
 """GPU predictors that a recording does not count."""
@@ -46,32 +45,62 @@ class Pair:
     ----------
     measured : one or two recordings, the second of the same replay again
     simulated : the replay under the profile's mean
-    spread : metrics of replays under other draws and other noise
     """
 
     measured: tuple[Measured, ...]
     simulated: FrameLog
-    spread: tuple[Mapping[str, float | None], ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
-    """Of what both sides are replays.
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulated:
+    """One policy's simulated replays.
 
     Attributes
     ----------
-    trace_s : length of the path
-    window_s : the stretch of it that counts
-    draws : posterior draws of the cost model behind each pair's spread
+    mean : Scored
+        Under the profile's mean, with its frame log.
+    drawn : tuple of Scored
+        Under each posterior draw; none if the profile has none.
+    """
+
+    mean: Scored
+    drawn: tuple[Scored, ...]
+
+    @property
+    def log(self) -> FrameLog:
+        """Frames under the mean."""
+        assert self.mean.log is not None, "it is asked for with its log"
+        return self.mean.log
+
+    def interval(self, metric: str) -> tuple[float, float] | tuple[None, None]:
+        """Return where a metric lies over the draws at `LEVEL`, nothing if a draw has no value."""
+        values = [run.values[metric] for run in self.drawn]
+        known = [value for value in values if value is not None]
+        if not known or len(known) < len(values):
+            return None, None
+        low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0)).tolist()
+        return low, high
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """What was simulated on one path, and by what it is scored.
+
+    Attributes
+    ----------
+    window_s : (from, to)
+        Seconds of the path that count.
+    policies : dict of str to Simulated
+        By label.
     """
 
     scene: str
     trace: str
     trace_s: float
-    window_s: tuple[float, float]
     budget_ms: float
     seed: int
-    draws: int
+    window_s: tuple[float, float]
+    policies: Mapping[str, Simulated]
 
 
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
@@ -100,7 +129,7 @@ def require_priced(hardware: HardwareProfile) -> None:
 
 
 def validate(
-    setting: Setting,
+    simulation: Simulation,
     pairs: Mapping[str, Pair],
     hardware: HardwareProfile,
     log: dict[str, str],
@@ -111,30 +140,30 @@ def validate(
 
     Parameters
     ----------
-    setting : of both sides
     pairs : by label, in the order of the policies
     log : header of the recordings
     """
-    runs = {label: _measured(pair, setting.window_s) for label, pair in pairs.items()}
+    runs = {label: _measured(pair, simulation.window_s) for label, pair in pairs.items()}
     series = {label: _series(pair, runs[label], hardware) for label, pair in pairs.items()}
     policies = tuple(
-        _policy(label, pair, runs[label], series[label]) for label, pair in pairs.items()
+        _policy(label, pair, runs[label], simulation.policies[label], series[label])
+        for label, pair in pairs.items()
     )
     known = [
         item.inside for p in policies for item in p.metrics.values() if item.inside is not None
     ]
     return Validation(
-        scene=setting.scene,
-        trace=setting.trace,
-        trace_s=setting.trace_s,
+        scene=simulation.scene,
+        trace=simulation.trace,
+        trace_s=simulation.trace_s,
         hardware=hardware.name,
         hardware_source=hardware.provenance.source,
         measured_on=hardware.provenance.measured_on,
-        budget_ms=setting.budget_ms,
-        seed=setting.seed,
-        window_s=setting.window_s,
+        budget_ms=simulation.budget_ms,
+        seed=simulation.seed,
+        window_s=simulation.window_s,
         level=LEVEL,
-        draws=setting.draws,
+        draws=max((len(each.drawn) for each in simulation.policies.values()), default=0),
         log=log,
         policies=policies,
         all_policies=_errors(*series.values()),
@@ -144,30 +173,22 @@ def validate(
 
 
 def _policy(
-    label: str, pair: Pair, runs: "_Runs", series: dict[str, FloatArray]
+    label: str, pair: Pair, runs: "_Runs", simulated: Simulated, series: dict[str, FloatArray]
 ) -> PolicyValidation:
     values = [{metric.id: metric(run) for metric in METRICS} for run in runs.measured]
     again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
     metrics: dict[str, Agreement] = {}
     for metric in METRICS:
-        measured, (low, high) = values[0][metric.id], span_of(pair, metric.id)
+        value, measured = simulated.mean.values[metric.id], values[0][metric.id]
+        low, high = simulated.interval(metric.id)
         inside = None
         if measured is not None and low is not None and high is not None:
             inside = low <= measured <= high
         metrics[metric.id] = Agreement(
-            measured, again[metric.id], metric(runs.simulated), low, high, inside, metric.unit
+            measured, again[metric.id], value, low, high, inside, metric.unit
         )
     frames = len(pair.measured[0].frames), len(pair.simulated)
     return PolicyValidation(label, *frames, _errors(series), metrics)
-
-
-def span_of(pair: Pair, metric: str) -> tuple[float | None, float | None]:
-    """Return the ends that hold `LEVEL` of a metric's values over the spread of a pair."""
-    known = [value for item in pair.spread if (value := item[metric]) is not None]
-    if len(known) < 2:
-        return None, None
-    low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0))
-    return float(low), float(high)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

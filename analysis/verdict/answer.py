@@ -3,7 +3,7 @@
 The first says whom to take, the second how sure that is, the third who cannot keep the budget.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ..study.comparison import Chances, LeastMiss, PolicyResult, Robustness, knob_text
 
@@ -17,7 +17,7 @@ _NOTHING_PX, _NOTHING_POPS = 0.005, 0.05
 def answer(
     policies: Sequence[PolicyResult],
     budget_ms: float,
-    chances: Mapping[str, Chances],
+    order: Chances,
     least_miss: LeastMiss | None,
     robustness: Robustness | None,
     population: str,
@@ -30,7 +30,7 @@ def answer(
     first = [policy for policy in ranked if policy.rank == 1 and policy.same_as is None]
     return (
         _whom(first, budget, population),
-        _how_sure(first, chances, robustness, population),
+        _how_sure(first, order, robustness, population),
         _who_misses(policies, budget),
     )
 
@@ -51,8 +51,8 @@ def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
         else f"at {_number(leader, ORDER[0])} px of visible error and "
         f"{_number(leader, ORDER[1])} visible pops a second"
     )
-    kept = f"it kept {keeps.kept} of {keeps.paths} judged" if keeps.paths > 1 else "it kept it"
-    sentence = f"Take {_named(leader)}: it keeps {budget} on {population} ({kept}), {what}"
+    kept = f" (it kept {keeps.kept} of {keeps.paths} judged)" if keeps.paths > 1 else ""
+    sentence = f"Take {_named(leader)}: it keeps {budget} on {population}{kept}, {what}"
     if len(first) == 1:
         return f"{sentence}."
     others = _listed([policy.label for policy in first[1:]])
@@ -61,26 +61,35 @@ def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
 
 def _how_sure(
     first: Sequence[PolicyResult],
-    chances: Mapping[str, Chances],
+    order: Chances,
     robustness: Robustness | None,
     population: str,
 ) -> str:
     leader = first[0]
-    order = chances.get("order")
-    if order is None or leader.label not in order.best:
-        sure = f"How it does beyond {population} is not known from these paths"
+    if leader.label not in order.p_best:
+        sure = f"How it does beyond {population} is not known from a single replay"
     else:
-        best, near = order.best[leader.label], order.near_best[leader.label]
+        another = (
+            "On another such set of paths"
+            if leader.keeps_budget is not None and leader.keeps_budget.paths > 1
+            else f"Under other noise on {population}"
+        )
+        best, near = order.p_best[leader.label], order.p_near_best[leader.label]
         sure = (
-            f"On another such set of paths it would come first with probability {best:.2f}, and "
+            f"{another} it would come first with probability {best:.2f}, and "
             f"be within the margin of the first with {near:.2f}"
         )
     if robustness is None:
         return f"{sure}."
     low, high = robustness.speed
+    who = (
+        "it stays first"
+        if robustness.leader == leader.label
+        else f"{robustness.leader} is the first of those that were tuned"
+    )
     return (
-        f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
-        "the speed."
+        f"{sure}; read off the curves, {who} on machines of {low:.2g} to {high:.2g} times the "
+        "speed."
     )
 
 

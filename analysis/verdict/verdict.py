@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ..metrics.worst_moment import Moment
 from ..study.comparison import (
     Chances,
     Curve,
@@ -15,9 +16,9 @@ from ..study.comparison import (
     PolicyResult,
     Robustness,
 )
+from . import chances as chances_of
 from . import curve as curves_of
 from .answer import ORDER, answer
-from .chances import chances, order_chances
 from .criterion import PICTURE_MARGIN_PX, Criterion
 from .folding import fold_identical
 from .judged import Judged
@@ -61,9 +62,11 @@ class Verdict:
     """What a comparison says; fields as those of `Comparison`."""
 
     policies: tuple[PolicyResult, ...]
+    order: Chances
     chances: dict[str, Chances]
     least_miss: LeastMiss | None
     curves: dict[str, Curve]
+    worst_moments: dict[str, Moment]
     robustness: Robustness | None
     warnings: tuple[str, ...]
     answer: tuple[str, str, str]
@@ -91,20 +94,23 @@ def reach_verdict(
     same = _same(judged)
     surely = {label for label, item in keeps.items() if _is_sure(item)}
     rivals = [item for item in judged if item.label in surely - same.keys() and not item.oracle]
-    criteria = _criteria(rivals, terms.margin)
+    criteria = order_criteria(rivals, terms.margin)
     groups = ranking([item.label for item in rivals], criteria) if rivals else ()
     results = [_result(item, keeps[item.label], same) for item in judged]
     policies = (*_in_order(results, groups, terms.budget_ms), *unscored)
-    sure = _chances(rivals, criteria, terms.seed)
+    order, sure = _chances(rivals, criteria, terms.seed)
     nearest = None if groups else _least_miss(judged, terms.budget_ms)
-    stands = _robustness(curves, terms.budget_ms)
+    apart = {label: curve for label, curve in curves.items() if label not in same}
+    stands = _robustness(apart, terms.budget_ms)
     contenders = [item for item in judged if not item.oracle]
     footings = [seeds[0].footing for seeds in judged[0].runs] if judged else []
     return Verdict(
         policies=policies,
+        order=order,
         chances=sure,
         least_miss=nearest,
         curves=_shown_curves(curves, groups),
+        worst_moments={item.label: _worst(item) for item in judged},
         robustness=stands,
         warnings=find_warnings(
             terms.paths[: len(footings)],
@@ -112,7 +118,20 @@ def reach_verdict(
             terms.budget_ms,
             [item.label in surely for item in contenders],
         ),
-        answer=answer(policies, terms.budget_ms, sure, nearest, stands, terms.population),
+        answer=answer(policies, terms.budget_ms, order, nearest, stands, terms.population),
+    )
+
+
+def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, ...]:
+    """Return the metrics of the order, on the paths where every rival has all of them, (P, n)."""
+    if not rivals:
+        return ()
+    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
+    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
+    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
+    return tuple(
+        Criterion(name, table[:, known], relative=margin, absolute=least)
+        for name, table, least in zip(ORDER, tables, absolute, strict=True)
     )
 
 
@@ -151,21 +170,7 @@ def _same(judged: Sequence[Judged]) -> dict[str, str]:
     return found
 
 
-def _criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, ...]:
-    """Return the metrics of the order, on the paths where every rival has all of them."""
-    if not rivals:
-        return ()
-    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
-    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
-    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
-    return tuple(
-        Criterion(name, table[:, known], relative=margin, absolute=least)
-        for name, table, least in zip(ORDER, tables, absolute, strict=True)
-    )
-
-
 def _result(item: Judged, keeps: Keeps, same: Mapping[str, str]) -> PolicyResult:
-    moments = [run.worst for seeds in item.runs for run in seeds]
     return PolicyResult(
         name=item.spec.name,
         label=item.label,
@@ -177,9 +182,13 @@ def _result(item: Judged, keeps: Keeps, same: Mapping[str, str]) -> PolicyResult
         keeps_budget=keeps,
         same_as=same.get(item.label),
         metrics=score_metrics(item),
-        worst=max(moments, key=lambda moment: moment.work_ms),
         steps=item.runs[0][0].steps,
     )
+
+
+def _worst(item: Judged) -> Moment:
+    moments = [run.worst for seeds in item.runs for run in seeds]
+    return max(moments, key=lambda moment: moment.work_ms)
 
 
 def _in_order(
@@ -210,23 +219,20 @@ def _in_order(
 
 def _chances(
     rivals: Sequence[Judged], criteria: Sequence[Criterion], seed: int
-) -> dict[str, Chances]:
-    if len(rivals) < 1 or criteria[0].values.shape[1] < 2:
-        return {}
+) -> tuple[Chances, dict[str, Chances]]:
+    """Return the chances in the order, and in each of its metrics; none from a single path."""
+    if not rivals or criteria[0].values.shape[1] < 2:
+        return Chances({}, {}, {}), {}
     labels = [item.label for item in rivals]
 
     def named(values: FloatArray) -> dict[str, float]:
         return dict(zip(labels, values.tolist(), strict=True))
 
-    found: dict[str, Chances] = {}
-    for criterion in criteria:
-        of = chances(criterion, seed=seed)
-        found[criterion.name] = Chances(
-            named(of.p_best), named(of.p_within_margin), named(of.regret)
-        )
-    of = order_chances(criteria, seed=seed)
-    found["order"] = Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
-    return found
+    def shown(of: chances_of.Chances) -> Chances:
+        return Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
+
+    each = {item.name: shown(chances_of.chances(item, seed=seed)) for item in criteria}
+    return shown(chances_of.order_chances(criteria, seed=seed)), each
 
 
 def _least_miss(judged: Sequence[Judged], budget_ms: float) -> LeastMiss | None:

@@ -46,6 +46,16 @@ Visible = Annotated[
     float,
     Option("--visible", metavar="PX", help="Least error, and change of it, that is seen."),
 ]
+Miss = Annotated[
+    float,
+    Option(help="Share of time for which a policy may exceed the budget and still keep it."),
+]
+Margin = Annotated[
+    float, Option(help="Part of the best's value within which another is as good; at least .25 px.")
+]
+Quick = Annotated[
+    bool, Option("--quick", help="4 paths of 6 s in place of 10 of 12 s, at less certainty.")
+]
 Draws = Annotated[
     int, Option(help="Posterior draws of the cost model to replay, if there are any.")
 ]

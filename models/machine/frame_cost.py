@@ -112,15 +112,20 @@ class FrameCost:
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = InPicture(seen, pixel_share)
-        shape = FrameShape(pixel_share * viewport_px, load.types)
-        if shape != self._last_shape:
-            self._last_shape = shape
+        pixels, types = self._last_shape
+        if types != load.types or pixels != pixel_share * viewport_px:
+            self._last_shape = shape = FrameShape(pixel_share * viewport_px, load.types)
             self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
-        counts = {**self._totals(seen), **self._last_units}
+        counts = self._totals(seen) | self._last_units
         for term in self._of_levels:
             counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
-        terms_ms = [sum([ms * counts[name] for name, ms in terms]) for terms in self._summed]
-        ms = sum(terms_ms, self.model.base_ms + load.level_ms)
+        ms, terms_ms = self.model.base_ms + load.level_ms, list[float]()
+        for terms in self._summed:
+            unit_ms = 0.0
+            for name, each_ms in terms:
+                unit_ms += each_ms * counts[name]
+            terms_ms.append(unit_ms)
+            ms += unit_ms
         if self._has_roofline:
             geometry = self._at(self.geometry_ms, row, fraction)
             ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
@@ -154,6 +159,14 @@ class FrameCost:
         for _, term, unit_ms in self._frame_terms:
             ms += unit_ms * term.count(shape)
         return ms
+
+    def anyway_ms(self, seen: Footprint) -> float:
+        """Return what all objects cost by the view's terms, where no level decides these.
+
+        Only where the model is `linear_in_detail`.
+        """
+        units = ((term.unit_ms, term.term.count((), seen)) for term in self._charged)
+        return sum([unit_ms * float(np.add.reduce(count)) for unit_ms, count in units])
 
     def objects_ms(
         self,

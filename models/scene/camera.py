@@ -12,6 +12,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ...base.errors import InputError
 
 _BLOCK = 16_000  # points for which BLAS starts no threads
+_LEAST = 1e-300  # is lost in any length
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,11 +64,14 @@ class Camera:
         Raises `ValueError` if points are without their row of ones.
         """
         n = points.shape[1]
-        local_m = np.empty((3, n))
-        for start in range(0, n, _BLOCK):
-            part = slice(start, start + _BLOCK)
-            np.matmul(self.pose, points[:, part], out=local_m[:, part])
-        local_m.flags.writeable = False
+        if n <= _BLOCK:
+            local_m = np.matmul(self.pose, points)
+        else:
+            local_m = np.empty((3, n))
+            for start in range(0, n, _BLOCK):
+                part = slice(start, start + _BLOCK)
+                np.matmul(self.pose, points[:, part], out=local_m[:, part])
+        local_m.setflags(write=False)
         return local_m
 
     def to_camera(self, points_m: FloatArray) -> FloatArray:
@@ -97,7 +101,7 @@ def _pose(
     b = -(bx * px + by * py + bz * pz)
     c = -(cx * px + cy * py + cz * pz)
     pose = np.array(((ax, ay, az, a), (bx, by, bz, b), (cx, cy, cz, c)), dtype=np.float64)
-    pose.flags.writeable = False
+    pose.setflags(write=False)
     return pose
 
 
@@ -129,8 +133,8 @@ def area_of_spheres(
     `near` says which spheres reach the near plane.  The first two arrays are overwritten.
     """
     area = out_m2
-    some_near = np.count_nonzero(near)
-    if some_near:  # beyond the near plane both are positive
+    at = near.nonzero()[0]
+    if len(at):  # beyond the near plane both are positive
         np.maximum(gap_m2, 1e-30, out=gap_m2)
         np.maximum(area, 0.0, out=area)
     area /= gap_m2
@@ -138,12 +142,17 @@ def area_of_spheres(
     area *= disc
     area /= gap_m2
     np.minimum(area, limit_px, out=area)
-    if some_near:
-        area[near] = limit_px
+    if len(at):
+        area[at] = limit_px
     return area
 
 
 def eccentricity_deg(depth_m: FloatArray, distance_m: FloatArray) -> FloatArray:
     """Return angles between the view axis and directions to points, degrees in [0, 180]."""
-    ratio = np.divide(depth_m, distance_m, out=np.ones_like(depth_m), where=distance_m > 0)
-    return np.degrees(np.arccos(np.clip(ratio, -1.0, 1.0)))
+    # Changes nothing but 0 / 0 to 1: what is at the eye is on the axis.
+    ratio = depth_m + _LEAST
+    ratio /= distance_m + _LEAST
+    np.minimum(np.maximum(ratio, -1.0, out=ratio), 1.0, out=ratio)
+    angle_deg = np.arccos(ratio, out=ratio)
+    angle_deg *= math.degrees(1.0)
+    return angle_deg

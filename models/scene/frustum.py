@@ -14,6 +14,7 @@ from .sphere_blocks import SphereBlocks
 _PLANES = 5  # left, right, bottom, top and near
 _TOGETHER = 8_000  # spheres whose buffers fit a core's cache; BLAS starts no threads for so few
 _NOWHERE = np.zeros(0, dtype=np.intp)
+_X_THEN_Y = np.array([[0], [1]])
 
 
 class Culler:
@@ -111,17 +112,21 @@ class Culler:
     def _gather(self) -> None:
         """Gather the candidates, unless they are those of the cull before."""
         at = self._inside.nonzero()[0]
-        if np.array_equal(at, self._at):
+        if at.tobytes() == self._at.tobytes():
             return
         self._at, self._ids = at, at.astype(np.int32)
         self._ids.flags.writeable = False
-        self._points = self._centers.rest_m.take(at, axis=1)
+        self._points = np.empty((4, len(at)))
+        self._points[3] = 1.0
+        # A mode that never raises lets numpy write where it is told to, without a copy between.
+        self._centers.rest_m[:3].take(at, axis=1, out=self._points[:3], mode="clip")
         if len(self._centers.moving):
             rank = self._rank.take(at)
             column = (rank >= 0).nonzero()[0]
             rank = rank.take(column)
-            self._moved_at = np.concatenate((column, column + len(at)))
-            self._moved = np.concatenate((rank, rank + len(self._centers.moving)))
+            # Positions of x, then of y, in all coordinates one row after the other.
+            self._moved_at = (_X_THEN_Y * len(at) + column).reshape(-1)
+            self._moved = (_X_THEN_Y * len(self._centers.moving) + rank).reshape(-1)
 
     def _change_blocks(self, state: NDArray[np.uint8]) -> None:
         """Go over to other states of the blocks."""

@@ -47,13 +47,16 @@ class Motion:
         Term k times the k-th power of the seconds since then, added up, is `offset_m`.
         """
         angle = self.rate_rad_s * time_s + self.phase_rad
-        series = np.empty((terms, 2, len(angle)))
-        series[0] = self.offset_m(time_s)
-        # Each derivative is a quarter turn ahead of the one before.
-        turned = np.stack((np.cos(angle), np.sin(angle))) * self.radius_m
-        for k in range(1, terms):
-            turned = np.stack((-turned[1], turned[0])) * (self.rate_rad_s / k)
-            series[k] = turned
+        cosine, sine = np.cos(angle), np.sin(angle)
+        # Each derivative is a quarter turn ahead of the one before: x and y after 0 to 3 of them.
+        turned = np.array(((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine)))
+        scale_m = np.empty((terms, 1, len(angle)))
+        scale_m[0] = self.radius_m
+        np.divide(self.rate_rad_s, np.arange(1.0, terms)[:, None, None], out=scale_m[1:])
+        np.multiply.accumulate(scale_m, axis=0, out=scale_m)
+        series = turned[np.arange(terms) % 4]
+        series *= scale_m
+        series[0] -= self._start * self.radius_m
         return series
 
 
@@ -115,6 +118,7 @@ class Centers:
         fastest = 0.0 if motion is None else float(np.abs(motion.rate_rad_s).max(initial=0.0))
         self._step_s = 2.0 * _TURN_RAD / max(fastest, 1e-3)
         self._step = math.nan
+        self._centre_m = self.rest_m[:2].take(self.moving, axis=1)
         self._series = np.zeros((0, _TERMS, _ROW))
 
     def at(self, time_s: float) -> Placed:
@@ -131,14 +135,14 @@ class Centers:
             powers.append(power)
         xy_m = np.matmul(powers, self._series).reshape(-1)
         moved_m = xy_m[: 2 * len(self.moving)].reshape(2, -1)
-        moved_m.flags.writeable = False
+        moved_m.setflags(write=False)
         return Placed(self.rest_m[:3], self.moving, moved_m)
 
     def _around(self, motion: Motion, time_s: float) -> FloatArray:
         """Return the series of x and y around a time, in rows that BLAS needs no threads for."""
         series = motion.series(time_s, _TERMS)
-        series[0] += self.rest_m[:2, self.moving]
+        series[0] += self._centre_m
         flat = series.reshape(_TERMS, -1)
-        rows = -(-flat.shape[1] // _ROW)
-        flat = np.pad(flat, ((0, 0), (0, rows * _ROW - flat.shape[1])))
-        return np.ascontiguousarray(flat.reshape(_TERMS, rows, _ROW).swapaxes(0, 1))
+        padded = np.zeros((_TERMS, -(-flat.shape[1] // _ROW) * _ROW))
+        padded[:, : flat.shape[1]] = flat
+        return np.ascontiguousarray(padded.reshape(_TERMS, -1, _ROW).swapaxes(0, 1))

@@ -26,7 +26,7 @@ class _PerNode:
         if owner is None:
             return self
         array = self._compute(owner)
-        array.flags.writeable = False
+        array.setflags(write=False)
         owner.__dict__[self._name] = array  # found before this descriptor from now on
         return array
 
@@ -38,16 +38,19 @@ else:
     per_node = _PerNode
 
 
-class InLens(NamedTuple):
+class Lens(NamedTuple):
     """What nodes are in one lens, wherever they are, (m,) each.
 
     Attributes
     ----------
+    radius_m, square_m2 : radius of each bounding sphere, and its square
     disc : ``π f² r²``, pixels at a depth of 1 m
     scale_px : pixels of one metre before scale, at a distance of 1 m
     reach_m : depth up to which a sphere reaches the near plane
     """
 
+    radius_m: FloatArray
+    square_m2: FloatArray
     disc: FloatArray
     scale_px: FloatArray
     reach_m: FloatArray
@@ -65,20 +68,24 @@ class Nodes:
     def __init__(self, scene: Scene, ids: IntArray) -> None:
         self.scene, self.ids = scene, ids
         self._lens: tuple[float, float] = (0.0, 0.0)
-        self._in_lens = InLens(np.zeros(0), np.zeros(0), np.zeros(0))
+        self._in_lens: Lens | None = None
 
     @per_node
     def at(self) -> NDArray[np.intp]:
         """Return the nodes as numpy indexes fastest, (m,)."""
         return self.ids.astype(np.intp)
 
-    def in_lens(self, focal_px: float, near_m: float) -> InLens:
+    def in_lens(self, focal_px: float, near_m: float) -> Lens:
         """Return what does not change while the lens, and its near plane, stay as they are."""
-        if self._lens != (focal_px, near_m):
+        seen = self._in_lens
+        if seen is None or self._lens != (focal_px, near_m):
             self._lens = (focal_px, near_m)
-            disc = self.square_m2 * (math.pi * focal_px**2)
-            self._in_lens = InLens(disc, self.scale * focal_px, self.radius_m + near_m)
-        return self._in_lens
+            radius_m = self.radius_m
+            square_m2 = radius_m * radius_m
+            disc = square_m2 * (math.pi * focal_px**2)
+            scale_px = self.scene.scale.take(self.at) * focal_px
+            seen = self._in_lens = Lens(radius_m, square_m2, disc, scale_px, radius_m + near_m)
+        return seen
 
     @per_node
     def type_index(self) -> IntArray:
@@ -94,16 +101,6 @@ class Nodes:
     def radius_m(self) -> FloatArray:
         """Radius of each bounding sphere, (m,)."""
         return self.scene.radius_m.take(self.at)
-
-    @per_node
-    def square_m2(self) -> FloatArray:
-        """Square of each radius, (m,)."""
-        return self.radius_m * self.radius_m
-
-    @per_node
-    def scale(self) -> FloatArray:
-        """Scale of each node, (m,)."""
-        return self.scene.scale.take(self.at)
 
     @per_node
     def importance(self) -> FloatArray:

@@ -68,7 +68,7 @@ class Oracle:
             raise InputError("oracle: expected to be told the truth first; call foresee")
         hulls = self._hulls
         if hulls is not None and len(view) > self.exact_up_to and self._all_discrete:
-            size = view.area_px * importance(view)
+            size = view.area_px * view.nodes.importance
             budget_ms = self._budget_ms / self._truth.gpu_factor
             return Selection(
                 view.ids, hulls.choose(view, size, budget_ms, skip_misfits=True).detail

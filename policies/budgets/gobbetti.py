@@ -16,7 +16,7 @@ from ..shared.ranges import Aim, Interval, PositiveInt, UpToOne, check_parameter
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
-from ..solvers.active_set import search_active_set
+from ..solvers.active_set import ActiveSet
 from ..solvers.allocation import Allocation, solve
 from ..view import View
 
@@ -30,9 +30,8 @@ def velocity_weight(speed_deg_s: FloatArray) -> FloatArray:
     """
     weight = np.maximum(speed_deg_s, 0.825)
     np.log10(weight, out=weight)
-    weight *= -27.78
-    weight += 57.69
-    weight /= 60.0
+    weight *= -27.78 / 60.0
+    weight += 57.69 / 60.0
     return np.minimum(np.maximum(weight, 0.1 / 60.0, out=weight), 1.0, out=weight)
 
 
@@ -54,20 +53,21 @@ class Gobbetti:
     s is importance times Reddy's velocity and eccentricity factors (focus at the centre of the
     screen), w an image factor.  An object of the roofline cost ``max(T_tri · n · r, T_pix · A)`` is
     never coarser than ``T_pix · A / (T_tri · n)``, below which nothing is saved.  The active-set
-    search begins at the last frame's resolutions, with newcomers at their lowest, and stops after
+    search begins with the bounds that hold at the last frame's price of time, and stops after
     `max_iterations` passes with what it has, which always keeps the budget; `newton` finds the same
-    optimum at once.  If even the lowest resolutions do not fit, they are drawn.  Discrete types
-    get the finest level not above their resolution, and what that saves is left unspent.
+    optimum without what the last frame knew.  If even the lowest resolutions do not fit, they are
+    drawn.  Discrete types get the finest level not above their resolution, and what that saves is
+    left unspent.
 
     Uses: the cost model, projected area, apparent speed, eccentricity, importance, its own last
-    resolutions.
+    price of time.
 
     Parameters: `m`, `weight` (w: area, or area per triangle), `velocity` and `eccentricity`
     (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
     `adapt` (rate at which predictions follow measured times), `aim`.
 
-    Cost per frame: O(n) a pass; an active set that changes little needs few passes, a first frame
-    or a cut up to n.
+    Cost per frame: O(n) a pass; two or three passes as a camera moves, some five at first and
+    after a cut.
 
     Reference: Gobbetti and Bouvier, Time-critical multiresolution rendering of large complex
     models, CAD 2000; formulas restored, factors after Reddy 1997.  The paper bounds the search by
@@ -79,7 +79,7 @@ class Gobbetti:
     velocity: bool = True  # as in the paper
     eccentricity: bool = True  # as in the paper
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
-    max_iterations: PositiveInt = 48  # ours: 1 to 2 ms at 3,000 objects; the paper's limit is lost
+    max_iterations: PositiveInt = 48  # ours: ten times what frames take; the paper's limit is lost
     adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
     aim: Aim = 1.0  # share of the budget that the predicted time may take
 
@@ -88,7 +88,7 @@ class Gobbetti:
 
     @property
     def claims(self) -> Claims:
-        """What holds with this engine: a truncated search may be far from the optimum.
+        """What holds with this engine: a search that is cut off may be far from the optimum.
 
         With `adapt` the budget is kept by what frames took, not by the cost model.
         """
@@ -103,7 +103,7 @@ class Gobbetti:
         self._costs = make_resolution_costs(scene, "gobbetti")
         self._budget_ms = self.aim * budget_ms
         self._v_time = VTime(self.adapt)
-        self._last = np.zeros(len(scene))
+        self._search = ActiveSet(self.max_iterations)
         self._kept = Kept(self._importance)
 
     def select(self, view: View) -> Selection:
@@ -113,15 +113,11 @@ class Gobbetti:
         problem = costs.problem(view, budget_ms)
         if problem.affords_all():
             # What anything is worth need not be known.
-            resolution = problem.resolution(problem.high)
-            work = Work(len(view), len(problem.cost), 1)
+            selection = costs.in_full(view, Work(len(view), len(problem.cost), 1))
         else:
-            result = self._solve(problem, self.degradation(view), self._last[view.ids])
-            resolution = problem.resolution(result.x)
+            result = self._solve(problem, self.degradation(view))
             work = Work(len(view), result.comparisons, result.iterations)
-        self._last.fill(0.0)
-        self._last[view.ids] = resolution
-        selection = costs.selection(view, resolution, budget_ms, work)
+            selection = costs.selection(view, problem.resolution(result.x), budget_ms, work)
         if not self.adapt:
             return selection
         return replace(selection, predicted_ms=self._v_time.expect(selection.predicted_ms))
@@ -137,16 +133,11 @@ class Gobbetti:
 
     def _importance(self, view: View) -> FloatArray:
         """Return importance, and per triangle if that is what w is; the same in every frame."""
-        factor = view.scene.importance[view.ids]
+        importance = view.nodes.importance
         if self.weight == "area-per-triangle":
-            factor /= self._costs.primitives(view)
-        return factor
+            return importance / self._costs.primitives(view)
+        return importance
 
-    def _solve(
-        self, problem: ResolutionProblem, degradation: FloatArray, start: FloatArray
-    ) -> Allocation:
+    def _solve(self, problem: ResolutionProblem, degradation: FloatArray) -> Allocation:
         shares = problem.shares(self.m * degradation, self.m + 1.0)
-        if self.engine == "newton":
-            return solve(shares)
-        begin = problem.pieces(start)
-        return search_active_set(shares, max_iterations=self.max_iterations, start=begin)
+        return solve(shares) if self.engine == "newton" else self._search.search(shares)

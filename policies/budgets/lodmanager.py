@@ -105,12 +105,13 @@ class LodManager:
     near_m: float | None = None  # None: 1 % of the scene's extent
     far_m: float | None = None  # None: 50 % of the scene's extent
 
+    rising: ClassVar[tuple[str, ...]] = ("gain", "limit")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     knob: ClassVar[Knob] = TARGET
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start with empty slots and an exponent of 1."""
-        check_parameters(self, "lodmanager", "gain", "limit")
+        check_parameters(self, "lodmanager")
         self._range_m = distance_range("lodmanager", scene, self.near_m, self.far_m)
         self._target_ms = self.target * budget_ms
         self._exponent = 1.0
@@ -120,6 +121,14 @@ class LodManager:
         self._first_slot = np.cumsum(self._slots) - self._slots
         self._shares = soft & self.sharing
         self._any_shares = bool(self._shares.any())
+        self._any_soft = bool(soft.any())
+        # By node, so that candidates gather without their types between.
+        slots = self._slots[scene.type_index]
+        self._of_node = _Same(
+            slots.astype(np.float64),
+            slots - 1.0,
+            self._first_slot[scene.type_index].astype(np.int32),
+        )
         self._kept = Kept(self._gather)
         self._levels = SharedLevels(len(scene), int(self._slots.sum()))
         self._all = np.arange(len(scene), dtype=np.int32)
@@ -130,8 +139,8 @@ class LodManager:
         seen = view if self.active is None else view.at(self._all)
         same, lod = self._kept.of(seen), self._wanted_lod(seen)
         step = same.slots * (lod if self.spacing == 1.0 else lod**self.spacing)
-        np.minimum(np.trunc(step, out=step), same.last, out=step)
-        slot = step.astype(np.int32)
+        np.minimum(step, same.last, out=step)
+        slot = step.astype(np.int32)  # towards zero
         slot += same.first
         turns = self._turns(seen, lod, slot)
         if len(turns.at):
@@ -141,14 +150,14 @@ class LodManager:
         work = Work(objects_visited=len(seen), comparisons=compared)
         detail = self._levels.detail
         if not self._any_shares:
-            return Selection(view.ids, detail.take(view.ids), work)
+            return Selection(view.ids, detail.take(view.nodes.at), work)
         source = self._levels.source.take(view.ids)
         return Selection(view.ids, detail.take(source), work, source)
 
     def _gather(self, seen: View) -> _Same:
-        kind = seen.type_index
-        slots = self._slots.take(kind).astype(np.float64)
-        return _Same(slots, slots - 1.0, self._first_slot.take(kind).astype(np.int32))
+        slots, last, first = self._of_node
+        at = seen.nodes.at
+        return _Same(slots.take(at), last.take(at), first.take(at))
 
     def _steer(self, completed: Completed) -> None:
         ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
@@ -159,9 +168,8 @@ class LodManager:
 
     def _wanted_lod(self, seen: View) -> FloatArray:
         near_m, far_m = self._range_m
-        lod = seen.distance_m - near_m
+        lod = far_m - seen.distance_m
         lod /= far_m - near_m
-        np.subtract(1.0, lod, out=lod)
         np.minimum(np.maximum(lod, 0.0, out=lod), 1.0, out=lod)
         return lod if self._exponent == 1.0 else np.power(lod, self._exponent, out=lod)
 
@@ -169,7 +177,7 @@ class LodManager:
         levels, n = self._levels, len(seen)
         if self.active is None and not self._any_shares:
             # All show their own levels, and whose turn comes first makes no difference.
-            at = (levels.slot.take(seen.ids) != slot).nonzero()[0]
+            at = (levels.slot.take(seen.nodes.at) != slot).nonzero()[0]
             return _Turns(at, n if len(at) else 0, len(at))
         shown, shown_lod = levels.shown(seen.ids)
         differs, new = shown != slot, shown < 0
@@ -209,7 +217,8 @@ class LodManager:
 
     def _update(self, seen: View, order: IntArray, lod: FloatArray, slot: IntArray) -> None:
         """Let the objects at these positions have their turns."""
-        levels, node, kind = self._levels, seen.ids[order], seen.type_index[order]
+        levels, node = self._levels, seen.ids.take(order)
+        kind = seen.scene.type_index.take(node)
         detail = self._detail(seen.scene.types.levels, kind, lod, slot)
         inside = seen.state.inside[node]
         if not self._any_shares:
@@ -228,8 +237,10 @@ class LodManager:
         self, table: LevelTable, kind: IntArray, lod: FloatArray, slot: IntArray
     ) -> FloatArray:
         """Return resolutions of continuous types, and levels of discrete ones by their slots."""
+        coarseness = table.level_count.take(kind) - 1 - (slot - self._first_slot.take(kind))
+        if not self._any_soft:
+            return coarseness.astype(np.float64)
         low = table.min_resolution[kind]
-        coarseness = table.level_count[kind] - 1 - (slot - self._first_slot[kind])
         return np.where(
             table.continuous[kind], np.minimum(low + lod * (1.0 - low), 1.0), coarseness
         )

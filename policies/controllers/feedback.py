@@ -8,7 +8,7 @@ from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.knobs import TARGET
-from ..shared.ranges import AtLeastOne, NotNegative, Share, check_parameters
+from ..shared.ranges import AtLeastOne, Fraction, NotNegative, Positive, Share, check_parameters
 from ..shared.reports import Reports, steer
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -41,9 +41,9 @@ class Feedback:
     rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
     min_bias: Share = 0.05  # ours
     max_bias: AtLeastOne = 64.0  # ours: enough for full detail of all that is in view
-    first: float = 0.25  # as static-screen
-    ratio: float = 0.5  # as static-screen
-    hysteresis: float = 0.01  # as static-screen
+    first: Positive = 0.25  # as static-screen
+    ratio: Fraction = 0.5  # as static-screen
+    hysteresis: NotNegative = 0.01  # as static-screen
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     knob: ClassVar[Knob] = TARGET

@@ -52,6 +52,7 @@ class Hoppe:
     max_px: float = 64.0  # ours
     target: Share = 0.9  # as feedback
 
+    rising: ClassVar[tuple[str, ...]] = ("min_px", "start_px", "max_px")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
 
     @property
@@ -63,7 +64,7 @@ class Hoppe:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance of the first frame."""
-        check_parameters(self, "hoppe", "min_px", "start_px", "max_px")
+        check_parameters(self, "hoppe")
         self._target_ms = self.target * budget_ms
         self._tolerance_px = self.start_px
         self._drawn = math.nan

@@ -8,7 +8,7 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.ranges import AtLeastOne, Interval, NotNegative, Positive, check_parameters
+from ..shared.ranges import AtLeastOne, Fraction, Interval, NotNegative, Positive, check_parameters
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -47,16 +47,17 @@ class Pid:
     min_deg: Positive = 0.001  # hifi's
     max_deg: Annotated[float, Interval("(0, 180)")] = 90.0  # hifi's
     start_deg: float = 10.0  # ours
-    ratio: float = 0.5  # as static-screen
-    hysteresis: float = 0.0  # hifi has none
+    ratio: Fraction = 0.5  # as static-screen
+    hysteresis: NotNegative = 0.0  # hifi has none
 
+    rising: ClassVar[tuple[str, ...]] = ("min_deg", "start_deg", "max_deg")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     # The rate aimed at: hifi has no share of the budget, and its angle goes wherever this leads.
     knob: ClassVar[Knob] = Knob("offset_hz", 1.0, 1000.0, finer="lower")
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the first angle, without a past."""
-        check_parameters(self, "pid", "min_deg", "start_deg", "max_deg")
+        check_parameters(self, "pid")
         self._static = StaticScreen(1.0, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)
         self._target_hz = 1e3 / budget_ms + self.offset_hz

@@ -11,7 +11,15 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.ranges import Count, NotNegative, PositiveInt, Share, check_parameters
+from ..shared.ranges import (
+    Count,
+    Fraction,
+    NotNegative,
+    Positive,
+    PositiveInt,
+    Share,
+    check_parameters,
+)
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -54,9 +62,9 @@ class UnityAdaptive:
     samples: PositiveInt = 120  # Unity's
     delay_s: NotNegative = 4.0  # Unity's performanceActionDelay
     retry_s: NotNegative = 10.0  # Unity's thermalActionDelay, which also delays the first action
-    first: float = 0.25  # as static-screen
-    ratio: float = 0.5  # as static-screen
-    hysteresis: float = 0.0  # Unity's level-of-detail groups have none
+    first: Positive = 0.25  # as static-screen
+    ratio: Fraction = 0.5  # as static-screen
+    hysteresis: NotNegative = 0.0  # Unity's level-of-detail groups have none
 
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     # The steps are fixed shares of the heights at which levels change: these say where it stands.

@@ -9,7 +9,15 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.ranges import BelowOne, NotNegative, PositiveInt, Share, check_parameters
+from ..shared.ranges import (
+    BelowOne,
+    Fraction,
+    NotNegative,
+    Positive,
+    PositiveInt,
+    Share,
+    check_parameters,
+)
 from ..shared.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
@@ -54,10 +62,11 @@ class UnrealDynamic:
     increase: Share = 0.9  # Unreal's IncreaseAmortizationBlendFactor
     threshold: NotNegative = 0.02  # Unreal's ChangePercentageThreshold
     panic: PositiveInt = 2  # Unreal's MaxConsecutiveOverbudgetGPUFrameCount
-    first: float = 0.25  # as static-screen
-    ratio: float = 0.5  # as static-screen
-    hysteresis: float = 0.0  # as Unity's; the controller has its own threshold
+    first: Positive = 0.25  # as static-screen
+    ratio: Fraction = 0.5  # as static-screen
+    hysteresis: NotNegative = 0.0  # as Unity's; the controller has its own threshold
 
+    rising: ClassVar[tuple[str, ...]] = ("min_fraction", "max_fraction")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
     # The headroom only matters where the fraction that it asks for lies within the fraction's two
     # ends, a factor of two; the thresholds of the levels that it scales have no such ends.
@@ -65,7 +74,7 @@ class UnrealDynamic:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the largest fraction."""
-        check_parameters(self, "unreal-dynamic", "min_fraction", "max_fraction")
+        check_parameters(self, "unreal-dynamic")
         self._static = StaticScreen(self.first, self.ratio, 1.0, self.hysteresis)
         self._static.reset(scene, budget_ms)
         self._budget_ms = budget_ms

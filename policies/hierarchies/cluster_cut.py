@@ -45,6 +45,7 @@ class ClusterCut:
     dead_band: NotNegative = 0.05  # ours
     rate_limit: AtLeastOne = 1.1  # ours: at most 10 % a frame
 
+    rising: ClassVar[tuple[str, ...]] = ("tolerance_px", "max_px")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True, hierarchy=True)
     # Not the target: with the tolerance where it is nothing finer than a pixel would ever be drawn,
     # and steering about a low target swings where a higher tolerance rests.
@@ -52,7 +53,7 @@ class ClusterCut:
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and start from the tolerance."""
-        check_parameters(self, "cluster-cut", "tolerance_px", "max_px")
+        check_parameters(self, "cluster-cut")
         self._chooser = ErrorLadder(scene) if scene.flat else Hierarchy(scene)
         self._target_ms = self.target * budget_ms
         self._reports = Reports()

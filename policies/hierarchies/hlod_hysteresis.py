@@ -72,13 +72,14 @@ class HlodHysteresis:
     margin: UpToOne = 0.1  # ours: "substantially" below or over the target
     lead_s: NotNegative = 0.1  # ours: "slightly adjusted" for the user's velocity
 
+    rising: ClassVar[tuple[str, ...]] = ("switch", "limit")
     capabilities: ClassVar[Capabilities] = Capabilities(levels=False, hierarchy=True, loader=True)
     knob: ClassVar[Knob] = TARGET
     claims: ClassVar[Claims] = Claims(hysteresis=True)
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters, tabulate costs and benefits, and set every counter to `-limit`."""
-        check_parameters(self, "hlod-hysteresis", "switch", "limit")
+        check_parameters(self, "hlod-hysteresis")
         self._hierarchy = tree = Hierarchy(scene)
         levels = scene.types.levels
         finest = levels.start[:-1][scene.type_index]

@@ -94,13 +94,26 @@ class LevelHulls:
         kind = same.kind if self._factors == 1 else same.kind * self._factors
         if row is not None:
             kind = kind + row
-        view_ms, _ = self._costs.view_line_above(same.kind, view, np.zeros(len(kind)))
-        rest_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types) + float(view_ms.sum())
+        rest_ms = self._rest_ms(view, same)
         choice = self._hulls.choose(
             kind, size, budget_ms - rest_ms, skip_misfits=skip_misfits, or_single=or_single
         )
         detail = self._detail[same.kind, choice.column]
         return Levels(choice.column, detail, rest_ms + choice.cost, same.alternatives)
+
+    def bound(self, view: View, size: FloatArray, budget_ms: float) -> float:
+        """Return the most benefit that any selection within the budget has, by the first factors.
+
+        `size` is benefit beyond accuracy, (n,).  It is the optimum of the linear relaxation.
+        """
+        same = self._kept.of(view)
+        kind = same.kind if self._factors == 1 else same.kind * self._factors
+        return self._hulls.bound(kind, size, budget_ms - self._rest_ms(view, same))
+
+    def _rest_ms(self, view: View, same: Same) -> float:
+        """Return what no level decides."""
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+        return fixed_ms + self._costs.anyway_ms(view)
 
     def _gather(self, view: View) -> Same:
         kind = view.nodes.type_at

@@ -1,8 +1,10 @@
 """Ranges of parameters, declared beside them and checked in one place.
 
-A policy writes ``gain: NotNegative = 0.5`` and calls `check_parameters` in its `reset`.
+A policy writes ``gain: NotNegative = 0.5`` and calls `check_parameters` in its `reset`.  What a
+command line gives is checked before any policy is made (`PolicySpec.check_parameters`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
@@ -37,27 +39,35 @@ Count: TypeAlias = Annotated[int, Interval("[0, inf]")]
 PositiveInt: TypeAlias = Annotated[int, Interval("[1, inf]")]
 
 
-def check_parameters(policy: Any, name: str, *rising: str) -> None:
-    """Raise `InputError` if a parameter lies outside its range, or those of `rising` fall.
+def check_parameters(policy: Any, name: str) -> None:
+    """Raise `InputError` if a parameter of a policy is refused (see `check_values`)."""
+    values = {parameter.name: getattr(policy, parameter.name) for parameter in fields(policy)}
+    check_values(policy.__class__, values, name)
+
+
+def check_values(cls: type[Any], values: Mapping[str, Any], name: str) -> None:
+    """Raise `InputError` if a value lies outside its range, or those of the class's `rising` fall.
 
     A range is an `Interval` in the parameter's annotation, or the values of a `Literal`; None is
-    outside of all ranges where the annotation does not allow for it.
+    outside of all ranges where the annotation does not allow for it.  A class names parameters that
+    must not fall in `rising`, a tuple.
     """
-    hints = get_type_hints(policy.__class__, include_extras=True)
-    for parameter in fields(policy):
-        value, hint = getattr(policy, parameter.name), hints[parameter.name]
+    hints = get_type_hints(cls, include_extras=True)
+    for parameter, value in values.items():
+        hint = hints[parameter]
         kinds = get_args(hint)
         if value is None and type(None) in kinds:
             continue
         if get_origin(hint) is Literal and value not in kinds:
             choices = ", ".join(kinds)
-            raise InputError(f"{name}: expected {parameter.name} one of {choices}, got {value}")
+            raise InputError(f"{name}: expected {parameter} one of {choices}, got {value}")
         interval = _interval(hint)
         if interval is not None and (value is None or value not in interval):
-            raise InputError(f"{name}: expected {parameter.name} in {interval.text}, got {value}")
-    values = [getattr(policy, parameter) for parameter in rising]
-    if any(low > high for low, high in pairwise(values)):
-        got = ", ".join(f"{value:g}" for value in values)
+            raise InputError(f"{name}: expected {parameter} in {interval.text}, got {value}")
+    rising: tuple[str, ...] = getattr(cls, "rising", ())
+    ordered = [values[parameter] for parameter in rising if parameter in values]
+    if any(low > high for low, high in pairwise(ordered)):
+        got = ", ".join(f"{value:g}" for value in ordered)
         raise InputError(f"{name}: expected {' <= '.join(rising)}, got {got}")
 
 

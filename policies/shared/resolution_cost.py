@@ -64,7 +64,8 @@ class ResolutionCosts:
             high = np.concatenate((high, low[second]))
             cost = np.concatenate((cost, slow[second]))
             low = np.concatenate((low, bottom[second]))
-        return ResolutionProblem(left_ms, cost, low, high, second)
+        low_ms, high_ms = float(cost @ low), float(cost @ high)
+        return ResolutionProblem(left_ms, cost, low, high, second, low_ms, high_ms)
 
     def stretches(self, view: View) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return fixed cost, slope before the kink, slope after it, and where the latter begins.
@@ -112,7 +113,7 @@ class ResolutionCosts:
 
     def primitives(self, view: View) -> FloatArray:
         """Return the primitives of every candidate in full detail, at least 1, (m,)."""
-        return self._primitives[view.type_index]
+        return self._primitives.take(view.nodes.type_at)
 
     def finest(self, view: View) -> FloatArray:
         """Return every candidate in full detail, (m,)."""
@@ -121,6 +122,11 @@ class ResolutionCosts:
     def lowest(self, view: View) -> FloatArray:
         """Return the resolution of every candidate at its coarsest, (m,)."""
         return self._low[view.type_index]
+
+    def in_full(self, view: View, work: Work) -> Selection:
+        """Return the selection of full detail."""
+        finest = self.finest(view)
+        return Selection(view.ids, finest, work, predicted_ms=self.predict_ms(view, finest))
 
     def selection(
         self, view: View, resolution: FloatArray, budget_ms: float, work: Work

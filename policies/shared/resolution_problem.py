@@ -25,6 +25,8 @@ class ResolutionProblem:
         Milliseconds per unit of resolution, and bounds.
     second : (e,) int
         Candidates with a second piece.
+    low_ms, high_ms : float
+        What the pieces cost at their bounds.
     """
 
     budget_ms: float
@@ -32,10 +34,12 @@ class ResolutionProblem:
     low: FloatArray
     high: FloatArray
     second: IntArray
+    low_ms: float
+    high_ms: float
 
     def affords_all(self) -> bool:
         """Return whether everything fits in full, whatever it is worth."""
-        return self.budget_ms == math.inf or float(self.cost @ self.high) <= self.budget_ms
+        return self.budget_ms == math.inf or self.high_ms <= self.budget_ms
 
     def pieces(self, values: FloatArray) -> FloatArray:
         """Return values of candidates for every piece, (m + e,)."""

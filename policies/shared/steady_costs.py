@@ -6,9 +6,10 @@ import numpy as np
 
 from ...base.arrays import FloatArray, IntArray
 from ...models.scene.scene import Scene
+from ..selection import Selection, Work
 from ..solvers.column_counts import count_true
 from ..view import View
-from .choices import distinct, require_costs
+from .choices import require_costs
 from .kept import Kept
 from .resolution_cost import KEPT_BACK, ResolutionCosts
 from .resolution_problem import ResolutionProblem
@@ -27,11 +28,13 @@ class _Same(NamedTuple):
         Distinct types.
     start_ms, full_ms : float
         Sums of where lines start, and of what full detail costs, whatever the view.
+    low_ms, high_ms : float
+        Sums of slope times low and times high.
     slope, low, high : (m,) float64
         Milliseconds per unit of resolution, and its bounds.
-    key : (L, m) float64
-        Coarseness of levels as `nearest_level` orders them; infinite where there is none.
-    coarsest : (m,) float64
+    key : (L - 1, m) float64
+        Coarseness of levels as `nearest_level` orders them, finest first; infinite for the
+        coarsest, which is what is left, and where there is none.
     """
 
     kind: IntArray
@@ -39,11 +42,12 @@ class _Same(NamedTuple):
     types: int
     start_ms: float
     full_ms: float
+    low_ms: float
+    high_ms: float
     slope: FloatArray
     low: FloatArray
     high: FloatArray
     key: FloatArray
-    coarsest: FloatArray
 
 
 class SteadyCosts(ResolutionCosts):
@@ -53,12 +57,16 @@ class SteadyCosts(ResolutionCosts):
         """Raise InputError if the scene has no cost model; `policy` is named in the message."""
         super().__init__(scene, policy)
         levels = scene.types.levels
-        columns = np.arange(int(levels.level_count.max()))
+        columns = np.arange(int(levels.level_count.max()))[:-1]
         row = levels.rows_by_type()
-        coarseness = 1.0 - levels.resolution[row]
-        self._key = np.where(columns < levels.level_count[:, None], coarseness, np.inf)
+        coarseness = 1.0 - levels.resolution[row[:, :-1]]
+        key = np.where(columns < levels.level_count[:, None] - 1, coarseness, np.inf)
+        self._key = np.ascontiguousarray(key.T)
+        line = self._linear_line
         # Where nothing rises with the resolution less detail saves nothing.
-        self._least = np.where(self._linear_line.slope > 0.0, self._low, 1.0)
+        self._least = np.where(line.slope > 0.0, self._low, 1.0)
+        full_ms = self._costs.level_ms[levels.start[:-1]]
+        self._sums = np.array((line.start, full_ms, line.slope * self._least, line.slope))
         self._any_soft, self._all_soft = levels.continuous.any(), levels.continuous.all()
         self._kept = Kept(self._gather)
         self._seen: View | None = None
@@ -66,18 +74,22 @@ class SteadyCosts(ResolutionCosts):
 
     def _gather(self, view: View) -> _Same:
         nodes = view.nodes
-        kind, first = nodes.type_at, nodes.finest_row
+        kind = nodes.type_at
+        # Few types: what many objects sum to is told by how many there are of each.
+        count = np.bincount(kind, minlength=len(self._least))
+        start_ms, full_ms, low_ms, high_ms = (self._sums @ count).tolist()
         return _Same(
             kind,
-            first,
-            distinct(kind),
-            float(self._linear_line.start.take(kind).sum()),
-            float(self._costs.level_ms.take(first).sum()),
+            nodes.finest_row,
+            int(np.count_nonzero(count)),
+            start_ms,
+            full_ms,
+            low_ms,
+            high_ms,
             self._linear_line.slope.take(kind),
             self._least.take(kind),
             np.ones(len(kind)),
-            np.ascontiguousarray(self._key.take(kind, axis=0).T),
-            nodes.coarsest_level,
+            self._key.take(kind, axis=1),
         )
 
     def fixed_ms(self, view: View) -> float:
@@ -91,7 +103,16 @@ class SteadyCosts(ResolutionCosts):
         left_ms = budget_ms * (1.0 - KEPT_BACK) - rest_ms - same.start_ms
         if not self._exact and same.full_ms + rest_ms <= budget_ms:
             left_ms = np.inf
-        return ResolutionProblem(left_ms, same.slope, same.low, same.high, _NONE)
+        return ResolutionProblem(
+            left_ms, same.slope, same.low, same.high, _NONE, same.low_ms, same.high_ms
+        )
+
+    def in_full(self, view: View, work: Work) -> Selection:
+        """Return the selection of full detail."""
+        same = self._kept.of(view)
+        finest = self.finest(view) if self._any_soft else np.zeros(len(view))
+        predicted_ms = self._rest_ms(view, same) + same.full_ms
+        return Selection(view.ids, finest, work, predicted_ms=predicted_ms)
 
     def predict_ms(self, view: View, detail: FloatArray) -> float:
         """Return the frame's GPU time with the candidates at these details, exactly."""
@@ -108,8 +129,7 @@ class SteadyCosts(ResolutionCosts):
         if self._all_soft:
             return resolution
         same = self._kept.of(view)
-        coarser = count_true(np.less(same.key, 1.0 - resolution))
-        level = np.minimum(coarser, same.coarsest)
+        level = count_true(np.less(same.key, 1.0 - resolution)).astype(np.float64)
         if not self._any_soft:
             return level
         return np.where(self._levels.continuous.take(same.kind), resolution, level)
@@ -117,9 +137,8 @@ class SteadyCosts(ResolutionCosts):
     def _rest_ms(self, view: View, same: _Same) -> float:
         """Return what does not depend on levels; it is asked for twice a frame."""
         if view is not self._seen:
-            view_ms, _ = self._costs.view_line_above(same.kind, view, same.low)
             fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
-            self._seen, self._known_ms = view, fixed_ms + float(view_ms.sum())
+            self._seen, self._known_ms = view, fixed_ms + self._costs.anyway_ms(view)
         return self._known_ms
 
 

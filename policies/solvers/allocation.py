@@ -63,12 +63,11 @@ class Shares:
 
     def unit(self) -> FloatArray:
         """Return ``t = (weight / cost)^(1 / power)``, (n,); infinite where nothing is paid."""
-        paid = self.cost > 0.0
-        if paid.all():
+        if float(self.cost.min(initial=math.inf)) > 0.0:
             ratio = self.weight / self.cost
         else:
             infinite = np.full(len(self.cost), np.inf)
-            ratio = np.divide(self.weight, self.cost, out=infinite, where=paid)
+            ratio = np.divide(self.weight, self.cost, out=infinite, where=self.cost > 0.0)
         # m = 1 and m = 2, the usual degradations: these roots are about twice as fast as a power.
         if self.power == 2.0:
             return np.sqrt(ratio, out=ratio)
@@ -146,7 +145,7 @@ def solve(shares: Shares) -> Allocation:
         newton = below < following < above and (iterations <= _PLAIN_PASSES or iterations % 2 == 1)
         # A Newton step too short to change the scale is convergence, not a reason to halve.
         if not newton and (slope == 0.0 or following != scale):
-            following = _halve(below, above)
+            following = halve(below, above)
         # No other double is left between the ends: the scale cannot be told more exactly.
         if following in {scale, below, above}:
             break
@@ -155,7 +154,7 @@ def solve(shares: Shares) -> Allocation:
     return Allocation(x, scale**-shares.power, True, True, iterations, comparisons)
 
 
-def _halve(below: float, above: float) -> float:
+def halve(below: float, above: float) -> float:
     """Return the middle of a bracket on a logarithmic scale; a step out where it has no end yet."""
     if above == math.inf:
         return 4.0 * below

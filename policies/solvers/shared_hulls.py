@@ -6,6 +6,7 @@ class, and slopes are sizes times slopes of the class.  So hulls are made once, 
 frame only sizes change.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -85,6 +86,29 @@ class SharedHulls:
                 column[best] = hulls.single_column[kind[best]]
                 return self._of(column, kind)
         return self._of(hulls.vertex[steps, kind], kind)
+
+    def bound(self, kind: IntArray, size: FloatArray, budget: float) -> float:
+        """Return the optimum of the linear relaxation, as `relaxed_bound`: no selection has more.
+
+        Classes and sizes of the objects are (n,).
+        """
+        hulls = self._whole
+        left = budget - float(self._cheapest.take(kind).sum())
+        if left < 0.0:
+            return -math.inf
+        base = self._value[np.arange(len(self._value)), hulls.vertex[0]].take(kind)
+        if not len(hulls.slope):
+            return float(base @ size)
+        key = hulls.slope.take(kind, axis=1)
+        key *= size
+        cost = hulls.cost.take(kind, axis=1)
+        taken, spent, first_left = self._cut.take(key.ravel(), cost.ravel(), left)
+        base += hulls.value[count_true(taken.reshape(key.shape)), kind]
+        bound = float(base @ size)
+        if first_left >= 0:
+            # The relaxation takes the first edge that does not fit in part (Dantzig).
+            bound += (left - spent) * float(key.ravel()[first_left])
+        return bound
 
     def _of(self, column: IntArray, kind: IntArray) -> HullChoice:
         return HullChoice(column, float(self._cost[kind, column].sum()))

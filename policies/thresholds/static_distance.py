@@ -12,6 +12,7 @@ from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
+from ..shared.kept import Kept
 from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
 
@@ -69,18 +70,25 @@ class StaticDistance:
         near_m, far_m = distance_range("static-distance", scene, self.near_m, self.far_m)
         self._near_m = self.scale * near_m
         self._per_m = 1.0 / (self.scale * (far_m - near_m))
+        self._discrete = not scene.types.levels.continuous.any()
+        self._per_level = Kept(self._gather)
+
+    def _gather(self, view: View) -> FloatArray:
+        """Return levels per metre of each candidate, (m,)."""
+        return (view.nodes.coarsest_level + 1.0) * self._per_m
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
         nodes = view.nodes
         level = view.distance_m - self._near_m
-        level *= self._per_m
-        level *= nodes.coarsest_level + 1.0
+        level *= self._per_level.of(view)
         np.floor(level, out=level)
         np.maximum(level, 0.0, out=level)
         np.minimum(level, nodes.coarsest_level, out=level)
         if self.hysteresis:
             self._hold(level, view)
+        if self._discrete:
+            return Selection(view.ids, level, Work(objects_visited=len(view.ids)))
         detail = detail_of_level(view.scene.types.levels, nodes.type_index, level)
         return Selection(view.ids, detail, Work(objects_visited=len(view.ids)))
 

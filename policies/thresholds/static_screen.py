@@ -108,7 +108,9 @@ class StaticScreen:
         # for a sphere as high as its radius over its distance.
         n = len(scene) if self._discrete else 0
         self._levels, self._near_m, self._far_m = np.full((3, n), np.nan)
+        self._near_m[:] = np.inf  # what was never drawn has no distances to stay in
         self._kept: _Kept | None = None
+        self._alone = True  # whether all that was ever drawn was chosen here
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
@@ -131,21 +133,26 @@ class StaticScreen:
             # Only where it would become finer, and only as far as it would with the margin taken
             # off too; a comparison with NaN is false.
             at = (level < before).nonzero()[0]
-            lower = np.maximum(height.take(at) - self.hysteresis, 1e-9)
-            late = screen_level(lower, coarsest.take(at), self.first, self.ratio)
-            level[at] = np.minimum(late, before.take(at))
+            if len(at):
+                lower = np.maximum(height.take(at) - self.hysteresis, 1e-9)
+                late = screen_level(lower, coarsest.take(at), self.first, self.ratio)
+                level[at] = np.minimum(late, before.take(at))
         return level
 
     def _go_on(self, view: View, bias: float) -> Selection:
         """Return levels, found anew only where candidates have left their distances."""
         kept, camera = self._kept, view.camera
+        if kept is None:
+            self._alone = bool(np.isnan(view.state.last_detail).all())
+        elif view.previous is not kept.selection:
+            self._alone = False
         if kept is None or kept.nodes is not view.nodes or kept.frame != view.frame - 1:
             kept = self._kept = self._recall(view)
         kept.frame = view.frame
         per_ratio = 2.0 * camera.focal_px / camera.height_px * bias
         distance_m = view.distance_m
         if per_ratio < self.first:  # else no sphere is too small with the eye at its surface
-            distance_m = np.maximum(distance_m, kept.nodes.radius_m)
+            distance_m = np.maximum(distance_m, view.radius_m)
         distance_m = distance_m * (1.0 / per_ratio)
         changes = distance_m > kept.far_m
         changes |= distance_m <= kept.near_m
@@ -158,8 +165,9 @@ class StaticScreen:
         """Return the levels that candidates were last drawn at, and the distances of these."""
         nodes, before = view.nodes, view.previous_detail
         near_m, far_m = self._near_m.take(nodes.at), self._far_m.take(nodes.at)
-        # What was never drawn, or at a level that somebody else chose, has no distances to stay in.
-        near_m[before != self._levels.take(nodes.at)] = np.inf
+        if not self._alone:
+            # What was drawn at a level that somebody else chose has no distances to stay in.
+            near_m[before != self._levels.take(nodes.at)] = np.inf
         selection = Selection(view.ids, before, Work(objects_visited=len(view.ids)))
         return _Kept(nodes, view.frame, selection, near_m, far_m)
 
@@ -167,12 +175,12 @@ class StaticScreen:
         self, kept: _Kept, at: NDArray[np.intp], distance_m: FloatArray, per_ratio: float
     ) -> None:
         """Find the levels of some candidates anew."""
-        coarsest, radius_m = kept.nodes.coarsest_level.take(at), kept.nodes.radius_m.take(at)
+        nodes, scene = kept.nodes.at.take(at), kept.nodes.scene
+        coarsest, radius_m = scene.coarsest_level.take(nodes), scene.radius_m.take(nodes)
         level = kept.selection.detail.copy()  # others may still hold the selection before
         some = self._level(_height(distance_m, radius_m, per_ratio), coarsest, level.take(at))
         near_m, far_m = self._bounds(some, coarsest, radius_m)
         level[at], kept.near_m[at], kept.far_m[at] = some, near_m, far_m
-        nodes = kept.nodes.at.take(at)
         self._levels[nodes], self._near_m[nodes], self._far_m[nodes] = some, near_m, far_m
         ids = kept.selection.ids
         kept.selection = Selection(ids, level, Work(objects_visited=len(ids)))

@@ -48,10 +48,10 @@ class ScreenErrors:
         rank -= len(sse_px) - len(top_px)
         if rank < 0:
             top_px, rank = sse_px, rank + len(sse_px) - len(top_px)
-        top_px.partition(rank)
+        top_px.partition((rank, len(top_px) - 1))
         percentile_px = float(top_px[rank])
-        self._below_px = 0.9 * percentile_px
-        return percentile_px, float(np.maximum.reduce(top_px[rank:])), visible_px
+        self._below_px = 0.97 * percentile_px
+        return percentile_px, float(top_px[-1]), visible_px
 
     def _visible_by_area(self, sse_px: FloatArray, drawn: Drawn) -> float:
         at = (sse_px > self._visible_px).nonzero()[0]
@@ -73,12 +73,14 @@ class FlatQuality:
         # Gobbetti-Bouvier's a_i r_i^-1 with a_i = importance · area / n_i is importance · area over
         # the primitives drawn, so one reciprocal a level serves both.
         per_primitive = 1.0 / np.maximum(self._primitives, 1.0)
-        self._per_level = np.stack((level_accuracy(levels), per_primitive))
+        each = np.stack((level_accuracy(levels), per_primitive))
+        finest = levels.start[levels.type_of_level]
+        # Of each level its own, then those of its type's finest level.
+        self._per_level = np.concatenate((each, each.take(finest, axis=1)))
         self._unit_importance = bool((scene.importance == 1.0).all())
-        # Accuracies and reciprocals of all that is drawn, and of all at full detail; gathered anew
-        # where rows change.
-        self._drawn_row = self._full_row = np.zeros(0, dtype=np.int64)
-        self._drawn = self._full = np.zeros((2, 0))
+        # Of all that is drawn, gathered anew where rows change.
+        self._row = np.zeros(0, dtype=np.int64)
+        self._at_rows = np.zeros((4, 0))
 
     def units(self, view: View) -> View:
         """Return the view of all objects in the frustum: the candidates."""
@@ -86,29 +88,26 @@ class FlatQuality:
 
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
-        if drawn.row is not self._drawn_row:
-            self._drawn_row, self._drawn = drawn.row, self._scores(drawn)
-        if units.nodes.finest_row is not self._full_row:
-            self._full_row = units.nodes.finest_row
-            self._full = self._per_level.take(self._full_row, axis=1)
-        # Where all candidates are drawn, what is drawn weighs as much as what could be.
-        weight = whole = self._weight(units)
-        if drawn.ids is not units.ids:
-            weight = self._weight(drawn.seen)
-        benefit, degradation = sum_rows(self._drawn, weight)
-        full_benefit, full_degradation = sum_rows(self._full, whole)
+        if drawn.row is not self._row:
+            self._row, self._at_rows = drawn.row, self._scores(drawn)
+        weight = self._weight(drawn.seen)
+        benefit, degradation, full_benefit, full_degradation = sum_rows(self._at_rows, weight)
         missing = len(units.ids) - len(drawn.ids)
         if missing:
+            whole = self._weight(units)
+            finest = self._per_level[:2].take(units.nodes.finest_row, axis=1)
+            full_benefit, full_degradation = sum_rows(finest, whole)
             # One primitive for each that is missing: its whole weight, over 1.
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
     def _scores(self, drawn: Drawn) -> FloatArray:
-        """Return accuracy and one over primitives of each node drawn, (2, m)."""
-        if drawn.fraction is None:
-            return self._per_level.take(drawn.row, axis=1)
-        primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
-        return np.stack((_accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)))
+        """Return accuracy and one over primitives of each node, drawn and at its finest, (4, m)."""
+        scores = self._per_level.take(drawn.row, axis=1)
+        if drawn.fraction is not None:
+            primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
+            scores[0], scores[1] = _accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)
+        return scores
 
     def _weight(self, view: View) -> FloatArray:
         return view.area_px if self._unit_importance else view.area_px * view.nodes.importance

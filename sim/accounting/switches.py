@@ -93,11 +93,10 @@ class Switches:
     ) -> None:
         self._crossfade_ns = crossfade_ns
         self._viewport_px, self._visible_px = viewport_px, visible_px
-        # Frame and row of the last drawing in one number, so that one comparison tells the many
-        # nodes that go on unchanged from the few that do not.
-        self._stamp = np.full(nodes, -2 << _ROW_BITS, dtype=np.int64)
+        # When each node was last drawn, but for those that the last frame draws, and at which row.
+        self._frame = np.full(nodes, -2, dtype=np.int64)
+        self._last_row = np.zeros(nodes, dtype=np.int64)
         self._row, self._ids = _NO_ROWS, _NOWHERE  # of the last frame
-        self._repeats = False  # whether that one drew the same as the one before
         # No row is -1: what has never toggled cannot return.
         self._from_row = np.full(nodes, -1, dtype=np.int32)
         self._switch_ns = np.full(nodes, -REVERSAL_NS - 1, dtype=np.int64)
@@ -110,48 +109,63 @@ class Switches:
         self.detail = self._detail.view()
         self.detail.flags.writeable = False
 
-    def record(self, frame: int, time_ns: int, drawn: Drawn) -> SwitchCounts:
-        """Record what a frame draws, and return its switches; frames come one by one."""
+    def record(
+        self, frame: int, time_ns: int, drawn: Drawn, changed: NDArray[np.intp] | None = None
+    ) -> SwitchCounts:
+        """Record what a frame draws, and return its switches; frames come one by one.
+
+        `changed` are the positions whose details are not those of `detail`, if that is known.
+        """
+        ids, row = drawn.at, drawn.row
+        if ids is not self._ids:
+            return self._record_others(frame, time_ns, drawn, changed)
+        # The same nodes as in the frame before.
+        if row is self._row:
+            return _NO_SWITCHES
+        self._row = row
+        at = self._find_changed(drawn) if changed is None else changed
+        return self._change(at, at, time_ns, drawn) if len(at) else _NO_SWITCHES
+
+    def _record_others(
+        self, frame: int, time_ns: int, drawn: Drawn, changed: NDArray[np.intp] | None
+    ) -> SwitchCounts:
+        """Record a frame that draws other nodes than the one before."""
         ids = drawn.at
-        if drawn.row is self._row and ids is self._ids:
-            self._repeats = True
-            return _NO_SWITCHES
-        if self._repeats:
-            # The stamps were left as they were for as long as nothing changed.
-            self._stamp[self._ids] = self._row + ((frame - 1) << _ROW_BITS)
-            self._repeats = False
+        # Frames are kept where nodes come or go: all others were drawn for as long as these stayed.
+        self._frame[self._ids] = frame - 1
         self._row, self._ids = drawn.row, ids
-        stamp = drawn.row + (frame << _ROW_BITS)
-        before = self._stamp.take(ids)
-        self._stamp[ids] = stamp
-        stamp -= 1 << _ROW_BITS
-        other = before != stamp
-        if drawn.fraction is not None:
-            # The same row at another fraction pops too.
-            other |= self._detail.take(ids) != drawn.detail
-        at = other.nonzero()[0]
-        if not len(at):
-            return _NO_SWITCHES
-        before = before[at]
+        at = self._find_changed(drawn) if changed is None else changed
         # Drawn in the frame before, or it came into view, which is no switch.
-        known = before >> _ROW_BITS == frame - 1
-        counts = self._switch(at[known], before[known] & _ROW_MASK, time_ns, drawn)
-        changed = ids[at]
-        self._error_m[changed] = drawn.error_m[at]
-        self._detail[changed] = drawn.detail[at]
+        known = at[self._frame.take(ids.take(at)) == frame - 1]
+        return self._change(at, known, time_ns, drawn) if len(at) else _NO_SWITCHES
+
+    def _find_changed(self, drawn: Drawn) -> NDArray[np.intp]:
+        return (drawn.seen.previous_detail != drawn.detail).nonzero()[0]
+
+    def _change(
+        self,
+        at: NDArray[np.intp],
+        known: NDArray[np.intp],
+        time_ns: int,
+        drawn: Drawn,
+    ) -> SwitchCounts:
+        """Take over details at some positions, and count those `known` from the frame before."""
+        counts = self._switch(known, time_ns, drawn)
+        ids = drawn.at.take(at)
+        self._error_m[ids] = drawn.error_m.take(at)
+        self._detail[ids] = drawn.detail.take(at)
+        self._last_row[ids] = drawn.row.take(at)
         return counts
 
-    def _switch(
-        self, at: NDArray[np.intp], old_row: NDArray[np.int64], time_ns: int, drawn: Drawn
-    ) -> SwitchCounts:
-        """Count the changes at positions `at` of what is drawn, from rows `old_row`."""
+    def _switch(self, at: NDArray[np.intp], time_ns: int, drawn: Drawn) -> SwitchCounts:
+        """Count the changes at positions `at` of what is drawn, since the frame before."""
         if not len(at):
             return _NO_SWITCHES
         ids = drawn.at.take(at)
         step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.px_per_m.take(at)
         popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
         visible_pops = int(np.count_nonzero(step >= self._visible_px))
-        new_row = drawn.row.take(at)
+        new_row, old_row = drawn.row.take(at), self._last_row.take(ids)
         if drawn.fraction is not None:
             # Between two knots detail changes, and the picture with it, but no level is switched.
             passed = old_row != new_row
@@ -177,7 +191,5 @@ class Switches:
 
 
 _NO_SWITCHES = SwitchCounts()
-_ROW_BITS = 31
-_ROW_MASK = (1 << _ROW_BITS) - 1
 _NOWHERE = np.empty(0, dtype=np.intp)
 _NO_ROWS = np.empty(0, dtype=np.int64)

@@ -1,5 +1,6 @@
 """Checks of arrays: conversion, shape, order, read-only, finite."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -14,6 +15,7 @@ from lodbench.base.arrays import (
     freeze,
     frozen_array,
     require_finite,
+    sum_rows,
 )
 from lodbench.base.errors import InputError
 
@@ -96,3 +98,12 @@ def test_the_first_value_that_is_not_finite_is_named() -> None:
         require_finite(np.array([[1.0], [np.nan]]), "values")
     with pytest.raises(InputError, match=r"values: expected finite values >= 1, got 0.5 at \(0,\)"):
         require_finite(np.array([0.5, np.inf]), "values", low=1.0)
+
+
+@pytest.mark.parametrize("columns", [0, 1, 2730, 2731, 9000])
+def test_sums_of_rows_are_those_of_exact_additions(columns: int) -> None:
+    """Tables up to 8,192 entries are multiplied at once, larger ones by blocks of columns."""
+    rng = np.random.default_rng(3)
+    table, weight = rng.uniform(1.0, 2.0, (3, columns)), rng.uniform(1.0, 2.0, columns)
+    expected = [math.fsum(row * weight) for row in table]
+    assert sum_rows(table, weight) == pytest.approx(expected, rel=1e-13)

@@ -3,13 +3,31 @@
 import errno
 import json
 import os
+import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from lodbench.cli.main import run
 
-SHORT = ["compare", "--seconds", "0:2", "--workers", "1"]
+WORLD = ["--scene", "plaza", "--trace", "tour"]
+SHORT = ["compare", *WORLD, "--seconds", "0:2", "--workers", "1"]
+SCREEN = "static-screen:bias=1"
+AT_LEVEL = """
+import numpy as np
+from lodbench import Capabilities, Selection
+
+
+class Mine:
+    capabilities = Capabilities()
+
+    def reset(self, scene, budget_ms):
+        pass
+
+    def select(self, view):
+        return Selection(view.ids, np.full(len(view.ids), {}.0))
+"""
 BROKEN = """
 import numpy as np
 from lodbench.policies.protocol import Capabilities
@@ -30,10 +48,10 @@ class Broken:
 
 def test_table_of_two_policies(capsys: pytest.CaptureFixture[str]) -> None:
     """The table fits in 100 columns and says what was replayed."""
-    assert run([*SHORT, "--policy", "full", "--policy", "static-screen"]) == 0
+    assert run([*SHORT, "--policy", "full", "--policy", SCREEN]) == 0
     out = capsys.readouterr().out
-    assert "plaza, 3,000 nodes · tour" in out
-    assert "static-screen" in out
+    assert "plaza, 3,000 nodes · tour 0:2 s, 1 to 2 s" in out
+    assert SCREEN in out
     assert max(map(len, out.splitlines())) <= 100
 
 
@@ -44,7 +62,7 @@ def test_json_is_one_document(capsys: pytest.CaptureFixture[str], tmp_path: Path
     text = capsys.readouterr().out
     document = json.loads(text)
     assert (document["schema"], document["seed"]) == ("lodbench.compare/2", 5)
-    assert (document["window_s"], document["visible_px"]) == ([1.0, 2.0], 1.0)
+    assert (document["window_s"], document["visible"]) == ([[1.0, 2.0]], 1.0)
     assert document["budget_ms"] == pytest.approx(1000 / 60)
     assert (out / "comparison.json").read_text(encoding="utf-8") == text
     assert (out / "frames" / "full.parquet").is_file()
@@ -63,11 +81,50 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
     assert {path.name for path in out.iterdir()} == {
         "report.html",
         "comparison.json",
+        "runs.parquet",
         "frames",
         "study.json",
         "run-info.json",
     }
     assert [path.name for path in (out / "frames").iterdir()] == ["full.parquet"]
+
+
+UNMADE = """
+from lodbench.policies.bounds.full import Full
+
+
+class Unmade(Full):
+    def __init__(self, number: int = 0) -> None:
+        raise ValueError(f"no {number}")
+"""
+
+
+def test_a_constructor_that_raises_fails_its_policy_alone(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Whether it has parameters or not; the other policy is scored, and the exit code is 1."""
+    mine = tmp_path / "mine.py"
+    mine.write_text(UNMADE, encoding="utf-8")
+    policies = [f"{mine}:Unmade", f"{mine}:Unmade:number=7", "full"]
+    words = [word for policy in policies for word in ("--policy", policy)]
+    assert run([*SHORT, *words, "--json"]) == 1
+    found = {it["label"]: it for it in json.loads(capsys.readouterr().out)["policies"]}
+    assert [found[label]["status"] for label in policies] == ["failed", "failed", "ok"]
+    assert found[policies[1]]["reason"].endswith("cannot be made: ValueError: no 7")
+
+
+def test_a_refused_parameter_ends_with_2_before_any_replay(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In one line, and no engine is opened for the policy beside it."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("an engine was opened")
+
+    monkeypatch.setattr("lodbench.analysis.study.compare.open_engine", refuse)
+    assert run([*SHORT, "--policy", "full", "--policy", "static-screen:first=-1"]) == 2
+    expected = "error: static-screen: expected first in (0, inf], got -1.0\n"
+    assert tuple(capsys.readouterr()) == ("", expected)
 
 
 def test_a_full_disk_keeps_no_scores_back(
@@ -79,9 +136,9 @@ def test_a_full_disk_keeps_no_scores_back(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", refuse)
-    assert run([*SHORT, "--policy", "static-screen", "--out", str(tmp_path / "run")]) == 2
+    assert run([*SHORT, "--policy", SCREEN, "--out", str(tmp_path / "run")]) == 2
     out, err = capsys.readouterr()
-    assert "static-screen" in out
+    assert SCREEN in out
     assert err.splitlines()[-1].endswith("got No space left on device; check the folder")
     assert not list(tmp_path.iterdir())
 
@@ -92,7 +149,7 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
     arguments += ["--fovy-deg", "50", "--crossfade-ms", "200", "--measurement-delay", "2"]
     arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "0.5"]
     arguments += ["--seconds", "5:7", "--visible", "2"]
-    assert run([*SHORT, "--policy", "feedback", *arguments, "--json"]) == 0
+    assert run([*SHORT, "--policy", "feedback:target=0.9", *arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     conditions = document["conditions"]
     wanted = {
@@ -105,8 +162,8 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
         "hardware_assumed": True,
     }
     assert {key: conditions[key] for key in wanted} == wanted
-    assert (document["budget_ms"], document["window_s"]) == (5.0, [0.5, 2.0])
-    assert (document["trace"], document["visible_px"]) == ("tour 5:7 s", 2.0)
+    assert (document["budget_ms"], document["window_s"]) == (5.0, [[0.5, 2.0]])
+    assert (document["paths"], document["visible"]) == (["tour 5:7 s"], 2.0)
     metrics = document["policies"][0]["metrics"]
     assert metrics["missed_vsync_fraction"]["value"] is not None
 
@@ -149,6 +206,12 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--faults", "missing=lots"], "faults: expected"),
         (["--place", "middle"], "fit, center, none"),
         (["--policy", "full", "--policy", "full"], "full twice"),
+        (["--paths", "0"], "paths: expected"),
+        (["--seeds", "0"], "seeds: expected"),
+        (["--miss", "0.7"], "miss: expected a share from 0 to 0.5, got 0.7"),
+        (["--margin", "-1"], "margin: expected"),
+        (["one"], "expected two folders or none, got 1; name two"),
+        (["one", "two"], "one"),
     ],
 )
 def test_bad_input_ends_with_2_and_one_line(
@@ -182,6 +245,83 @@ def test_folder_in_the_way_is_refused_before_the_replays(
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
+def document_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
+    """Return the document that a command prints with --json."""
+    assert run([*arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_quick_is_of_fewer_and_shorter_paths(capsys: pytest.CaptureFixture[str]) -> None:
+    """Four paths of six seconds each, all of the kind that is named."""
+    line = ["compare", "--scene", "plaza", "--trace", "walk", "--policy", "full", "--quick"]
+    document = document_of(capsys, *line, "--seconds", "5.4:", "--warmup", "0.2", "--draws", "0")
+    assert len(set(document["paths"])) == 4
+    for _, end in document["window_s"]:
+        assert end == pytest.approx(0.6)
+    assert document["population"] == "such paths"
+    assert "--quick" in document["provenance"]["command"]
+    more = document_of(
+        capsys, *line, "--paths", "2", "--seconds", "5.4:", "--warmup", "0.2", "--draws", "0"
+    )
+    assert more["paths"] == document["paths"][:2]
+
+
+def test_as_shipped_tunes_nobody(capsys: pytest.CaptureFixture[str]) -> None:
+    """A policy named bare is brought to the budget; with --as-shipped it is as it ships."""
+    line = [*SHORT, "--policy", "static-distance", "--seconds", "0:0.4", "--warmup", "0.1"]
+    tuned = document_of(capsys, *line)["policies"][0]["knob"]
+    shipped = document_of(capsys, *line, "--as-shipped")["policies"][0]["knob"]
+    assert (tuned["name"], tuned["tuned"]) == ("scale", True)
+    assert (shipped["name"], shipped["value"], shipped["tuned"]) == ("scale", 1.0, False)
+
+
+def test_the_command_that_is_told_gives_the_same_again(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The provenance's line, typed into a shell, makes the same document."""
+    policies = ["--policy", "full", "--policy", "feedback:target=0.9,gain=0.25"]
+    line = [*SHORT, *policies, "--budget-ms", "2.5", "--as-shipped", "--seeds", "2"]
+    document = document_of(capsys, *line, "--visible", "2", "--warmup", "0.5")
+    told = shlex.split(document["provenance"]["command"])
+    assert told[0] == "lodbench"
+    assert "--workers" not in told
+    assert document_of(capsys, *told[1:]) == document
+
+
+def test_two_folders_are_compared(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What got dearer on every path is told with the cost that grew, and so is no change."""
+    line = ["compare", "--scene", "plaza", "--trace", "walk", "--paths", "16"]
+    line += ["--warmup", "0.1", "--seconds", "0:0.3", "--seeds", "1", "--policy"]
+    folders = [str(tmp_path / name) for name in ("before", "after", "again")]
+    for level in (0, 1):
+        (tmp_path / f"level-{level}").mkdir()
+        own = tmp_path / f"level-{level}" / "mine.py"
+        own.write_text(AT_LEVEL.format(level), encoding="utf-8")
+    for folder, level in zip(folders, (1, 0, 0), strict=True):
+        monkeypatch.chdir(tmp_path / f"level-{level}")
+        assert run([*line, "mine.py:Mine", "--out", folder]) == 0
+    capsys.readouterr()
+    assert run(["compare", *folders[:2]]) == 0
+    out = capsys.readouterr().out
+    assert "changed beyond noise, compared path by path" in out
+    assert "work_ms_mean" in out
+    assert max(map(len, out.splitlines())) <= 100
+    document = document_of(capsys, "compare", *folders[:2])
+    assert document["schema"] == "lodbench.changes/1"
+    assert document["paired"]
+    work = next(item for item in document["metrics"] if item["metric"] == "work_ms_mean")
+    assert work["beyond_noise"]
+    assert work["after"] > work["before"]
+    assert document["policies"][0]["term_ratio"] > 1.0
+    same = document_of(capsys, "compare", *folders[1:])
+    assert not any(item["beyond_noise"] for item in same["metrics"])
+    assert same["policies"][0]["term"] == ""
+    assert run(["compare", folders[0], str(tmp_path / "absent")]) == 2
+    assert "absent" in capsys.readouterr().err
+
+
 @pytest.fixture(scope="module")
 def mesh_scene(data_dir: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build a scene of 60 objects from two real meshes."""
@@ -202,11 +342,14 @@ def test_real_trace_over_real_meshes_on_measured_hardware(
 ) -> None:
     """A path, meshes and costs that were all measured: objects come into view and cost time."""
     where = ["--scene", str(mesh_scene), "--trace", str(data_dir / "traces" / trace)]
-    policies = ["--policy", "full", "--policy", "static-screen", "--hardware", "llvmpipe"]
+    policies = ["--policy", "full", "--policy", SCREEN, "--hardware", "llvmpipe"]
     capsys.readouterr()
     assert run([*SHORT, *where, *policies, "--draws", "2", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    full, static = (policy["metrics"]["triangles_mean"]["value"] for policy in document["policies"])
-    assert 0 < static <= full
+    drawn = {
+        policy["label"]: policy["metrics"]["triangles_mean"]["value"]
+        for policy in document["policies"]
+    }
+    assert 0 < drawn[SCREEN] <= drawn["full"]
     assert not document["conditions"]["hardware_assumed"]
-    assert document["intervals"]["draws"] == 2
+    assert document["sampling"]["draws"] == 2

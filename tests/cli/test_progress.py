@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from lodbench.base.quantities import bytes_text, duration_text
+from lodbench.base.quantities import bytes_text, count_text, duration_text
 from lodbench.cli.shared import progress as module
 from lodbench.cli.shared.progress import progress_bar
 
@@ -109,3 +109,9 @@ def test_times_in_words(seconds: float, words: str) -> None:
 def test_sizes_in_words(count: float, words: str) -> None:
     """Two or three digits in powers of 1,000."""
     assert bytes_text(count) == words
+
+
+def test_one_of_a_kind_is_not_several() -> None:
+    """A noun has its plural for every number but 1, and thousands have commas."""
+    texts = [count_text(count, "run") for count in (0, 1, 2, 1001)]
+    assert texts == ["0 runs", "1 run", "2 runs", "1,001 runs"]

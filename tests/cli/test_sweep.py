@@ -84,9 +84,11 @@ def test_a_finished_study_is_not_repeated(study: Path, capsys: pytest.CaptureFix
     study.write_text('policies = "full"\nseconds = "0:2"\n', encoding="utf-8")
     assert run(["sweep", "small.toml", "--out", "out/a"]) == 0
     first = capsys.readouterr().out
-    assert "small: 1 runs, 1 ok\n" in first
+    assert "small: 1 run, 1 ok\n" in first
     first_frames = read_results(Path("out/a")).column("frames").to_pylist()
     before = {path: path.stat().st_mtime_ns for path in Path("out/a").rglob("*")}
+    assert run(["sweep", "--out", "out/a", "small.toml", "--scheduler", "nonsense"]) == 2
+    assert "expected an address such as tcp://HOST:8786" in capsys.readouterr().err
     assert run(["sweep", "--out", "out/a", "small.toml"]) == 0
     assert capsys.readouterr().out == first
     assert {path: path.stat().st_mtime_ns for path in Path("out/a").rglob("*")} == before

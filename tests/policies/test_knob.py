@@ -27,6 +27,14 @@ def test_values_are_evenly_spaced_on_the_scale() -> None:
     assert Knob("x", 0.123456, 12.3456).values(2) == (0.123456, 12.3456)
 
 
+def test_at_is_where_turned_round() -> None:
+    """Ends are what they are, the middle is that of the scale, and tolerances go down."""
+    assert [Knob("x", 0.1, 10.0).at(share) for share in (0.0, 0.5, 1.0)] == [0.1, 1.0, 10.0]
+    falling = Knob("x", 1.0, 16.0, finer="lower")
+    assert [falling.at(share) for share in (0.0, 0.25, 1.0)] == [16.0, 8.0, 1.0]
+    assert falling.where(falling.at(0.3)) == pytest.approx(0.3, abs=1e-3)
+
+
 def test_values_go_from_coarse_to_fine() -> None:
     """A tolerance begins at its highest value."""
     assert Knob("x", 1.0, 4.0, finer="lower").values(3) == (4.0, 2.0, 1.0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from lodbench.base.errors import InputError
+from lodbench.base.errors import InputError, PolicyError
 from lodbench.policies.bounds.full import Full
 from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.protocol import Policy
@@ -147,11 +147,44 @@ def test_wrong_classes_of_a_users_file(own: Path, name: str, message: str) -> No
         parse_policy(f"{own}:{name}")
 
 
-@pytest.mark.parametrize("parameters_text", ["", ":near_m=-1"])
-def test_classes_that_refuse_their_parameters(own: Path, parameters_text: str) -> None:
-    """A missing parameter, or any error of the constructor, is an error of input."""
-    with pytest.raises(InputError, match=r"(TypeError|KeyError): .*near_m"):
-        parse_policy(f"{own}:Plain{parameters_text}").make()
+def test_a_missing_parameter_is_bad_input_and_what_a_constructor_raises_is_not(own: Path) -> None:
+    """The first is told without running the class; the second is the policy's own failure."""
+    missing = parse_policy(f"{own}:Plain")
+    for refuse in (missing.check_parameters, missing.make):
+        with pytest.raises(InputError, match=r"Plain: expected its parameters, .*'near_m'$"):
+            refuse()
+    raises = parse_policy(f"{own}:Plain:near_m=-1")
+    raises.check_parameters()
+    with pytest.raises(PolicyError, match=r"cannot be made: KeyError: 'near_m'$"):
+        raises.make()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("static-screen:first=-1", r"expected first in \(0, inf\], got -1.0"),
+        ("feedback:ratio=1", r"expected ratio in \(0, 1\), got 1.0"),
+        ("hoppe:min_px=100", "expected min_px <= start_px <= max_px, got 100, 1, 64"),
+        ("static-distance:hysteresis=1", r"expected hysteresis in \[0, 1\), got 1.0"),
+    ],
+)
+def test_our_ranges_are_known_before_a_policy_is_made(text: str, message: str) -> None:
+    """Ranges, choices and orders that a class declares hold without an object and a scene."""
+    with pytest.raises(InputError, match=message):
+        parse_policy(text).check_parameters()
+
+
+def test_one_parameter_is_looked_at_without_the_others() -> None:
+    """An order that another value may still mend is not judged, and a range is."""
+    parse_policy("hoppe:min_px=100").check_parameter("min_px")
+    with pytest.raises(InputError, match="expected target in"):
+        parse_policy("hoppe:target=2").check_parameter("target")
+
+
+def test_every_default_is_in_its_range() -> None:
+    """No policy of ours is refused as it comes."""
+    for name in REGISTERED:
+        parse_policy(name).check_parameters()
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.gate.measurements import MeasureOptions
-from lodbench.analysis.study.compare import CompareOptions
+from lodbench.analysis.study.compare import CompareSettings
 from lodbench.base.errors import InputError
 from lodbench.sim.replay import ReplayOptions
 
@@ -50,7 +50,7 @@ def test_faults_are_faults() -> None:
         ReplayOptions(budget_ms=5.0, faults=faults)
 
 
-@pytest.mark.parametrize("options", [CompareOptions, MeasureOptions])
+@pytest.mark.parametrize("options", [CompareSettings, MeasureOptions])
 @pytest.mark.parametrize("name", ["draws", "workers"])
 def test_scores_are_of_whole_numbers(options: Any, name: str) -> None:
     """One and a half draws or processes are refused, not rounded."""

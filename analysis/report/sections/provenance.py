@@ -27,11 +27,11 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "cross-fade", f"{c.crossfade_ms:g} ms"
     yield "timers", f"read {c.measurement_delay} frames after completion"
     yield "budget", f"{comparison.budget_ms:.6g} ms, exceeded for {comparison.miss:.2%} at most"
-    yield "visible", f"from {comparison.visible_px:g} px on; margin {comparison.margin:.0%}"
+    yield "visible", f"from {comparison.visible:g} px on; margin {comparison.margin:.0%}"
     yield "seed", f"{comparison.seed}, {s.seeds} seeds a path"
     yield "tuning", s.tuned_on
     draws = f", {s.draws} posterior draws of the cost model" if s.draws else ""
-    yield "intervals", f"{s.level:.0%}, {s.population}{draws}"
+    yield "intervals", f"{s.level:.0%}, {comparison.population}{draws}"
     yield "made by", f"lodbench {made.version}, code {made.code[:12]}"
     for name, digest in made.hashes.items():
         yield f"content of {name}", digest

@@ -26,7 +26,7 @@ def _chart(results: Results) -> Any:
     titles = ["Work time", "Interval between displays"]
     figure = panels(1, 2, shared_yaxes=True, subplot_titles=titles)
     for policy in comparison.ok:
-        run = MeasuredFrames(results.logs[policy.label], *comparison.paths[0].window_s)
+        run = MeasuredFrames(results.logs[policy.label], *comparison.window_s[0])
         for column, values in enumerate((run.work_ms, run.frame_ms), 1):
             x, share = tail(values, run.cost_weight_ms, _POINTS)
             ink, points = results.inks[policy.label], (x, 100.0 * share)

@@ -47,7 +47,7 @@ def _chart(results: Results) -> Any:
 
 def _draw(figure: Any, results: Results, comparison: Comparison, policy: PolicyResult) -> None:
     ink, keeps = results.inks[policy.label], policy.keeps_budget
-    curve = comparison.curves.get(policy.label)
+    curve = comparison.curve.get(policy.label)
     if curve is not None:
         for column, values in enumerate((curve.visible_error_px, curve.pops_per_s), 1):
             figure.add_scatter(

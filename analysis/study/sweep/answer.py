@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ....base.errors import InputError
+from ....base.quantities import count_text
 from ..comparison import SHOWN
 from .plain_table import PlainTable
 from .query import Query, metric_ids, require_columns
@@ -120,7 +121,7 @@ def _about(folder: Path, query: Query) -> tuple[dict[str, Any], list[str]]:
     }
     notes = [one.text for one in reasons[:_REASONS]]
     if len(reasons) > _REASONS:
-        notes.append(f"and {len(reasons) - _REASONS} more reasons")
+        notes.append(f"and {count_text(len(reasons) - _REASONS, 'more reason')}")
     if len(results) < results.runs:
         left = f"{results.runs - len(results):,} of {results.runs:,} runs are not done yet"
         notes.append(f"{left}: run the study again to go on")

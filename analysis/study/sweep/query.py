@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....base.errors import InputError
 from ....base.nearest_names import unknown_name
+from ....base.quantities import count_text
 from ...metrics.metric_registry import METRICS
 from ..axes.grid import Cell
 from .study_results import StudyResults
@@ -58,7 +59,8 @@ class Unscored:
     def text(self) -> str:
         """One line about them."""
         reason = self.reason if self.frame is None else f"frame {self.frame}: {self.reason}"
-        return f"{self.policy}: {self.runs:,} runs {self.status.replace('-', ' ')}: {reason}"
+        runs, status = count_text(self.runs, "run"), self.status.replace("-", " ")
+        return f"{self.policy}: {runs} {status}: {reason}"
 
 
 class Query:

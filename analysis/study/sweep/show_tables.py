@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from ....base.quantities import count_text
 from ...metrics.metric_registry import find_metric
 from ...report.values import format_value
 from ..axes.grid import Cell
@@ -72,7 +73,7 @@ def sensitivity_rows(found: Sensitivities) -> PlainTable:
         for item in found.metrics
         for axis, share in item.shares.items()
     ]
-    title = f"shares of the variance of {found.runs:,} runs"
+    title = f"shares of the variance of {count_text(found.runs, 'run')}"
     header = ("metric", "axis", "share", "low", "high")
     return PlainTable(title, header, rows, ("metric", "axis"))
 
@@ -85,7 +86,7 @@ def _across(
     columns.sort(key=ordered.index)
     counts = {group.counts[at] for group in groups}
     same = min(counts) if len(counts) == 1 else -1
-    over = f"over {same:,} runs" if same >= 0 else "(runs)"
+    over = f"over {count_text(same, 'run')}" if same >= 0 else "(runs)"
     rows: dict[tuple[Cell, ...], dict[Cell, Cell]] = {}
     for group in groups:
         rows.setdefault(group.cells[:-1], {})[group.cells[-1]] = _mean(group, at, same)

@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from ....base.errors import InputError
 from ....base.html_table import html_table
+from ....base.quantities import count_text
 from ...metrics.metric_registry import METRICS
 from ..comparison import SHOWN
 from ..results.manifest import read_manifest
@@ -44,9 +45,10 @@ class StudyResults:
         return len(self.rows)
 
     def __repr__(self) -> str:
-        done = f"{len(self):,} of {self.runs:,}" if len(self) < self.runs else f"{self.runs:,}"
+        done = count_text(self.runs, "run")
+        done = f"{len(self):,} of {done}" if len(self) < self.runs else done
         counts = ", ".join(f"{count:,} {status}" for status, count in self.counts.items())
-        return f"<StudyResults {self.name}: {done} runs, {counts}>"
+        return f"<StudyResults {self.name}: {done}, {counts}>"
 
     @property
     def axes(self) -> list[str]:

@@ -1,6 +1,7 @@
 """The report: complete, self-contained, safe with any name, and honest about what is missing."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -16,16 +17,13 @@ from lodbench.analysis.report.page import render_page
 from lodbench.analysis.report.palette import inks
 from lodbench.analysis.report.render import SECTIONS, render_report
 from lodbench.analysis.report.series import envelope, tail
-from lodbench.analysis.study.compare import CompareOptions, compare
-from lodbench.analysis.study.comparison import Comparison
+from lodbench.analysis.study.compare import CompareSettings, compare
+from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
-from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
-
-Results = tuple[Comparison, dict[str, FrameLog]]
 
 
 class Page(HTMLParser):
@@ -57,31 +55,47 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def results(
     small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile, bad_policies: Path
-) -> Results:
+) -> Compared:
     """Return a comparison with a failed policy, whose reason holds markup."""
-    texts = ["full", "static-screen", "feedback", f"{bad_policies}:Raises", f"{bad_policies}:Seer"]
+    texts = [
+        "full",
+        "static-screen",
+        "feedback:target=0.9",
+        f"{bad_policies}:Raises",
+        f"{bad_policies}:Seer",
+    ]
     policies = [parse_policy(text) for text in texts]
-    options = CompareOptions(workers=1, warmup_s=0.5)
+    settings = CompareSettings(workers=1, warmup_s=0.2)
     replay = ReplayOptions(budget_ms=8.0)
-    return compare(policies, small_scene, turn_trace, machine, replay, options)
+    paths = [
+        replace(turn_trace.stretch(0.5 - 0.05 * at, 2.0 - 0.05 * at), name=f"turn {at}")
+        for at in (0, 1)
+    ]
+    return compare(policies, small_scene, paths, machine, replay, settings)
 
 
-def test_page_is_whole_and_loads_nothing(results: Results) -> None:
+def page_of(results: Compared) -> str:
+    """Return the page of a comparison."""
+    return render_report(results.comparison, results.logs)
+
+
+def test_page_is_whole_and_loads_nothing(results: Compared) -> None:
     """Every tag is closed, and nothing is fetched from anywhere."""
-    page = Page(render_report(*results))
+    page = Page(page_of(results))
     assert page.open == []
     assert page.loads == []
 
 
-def test_page_says_all_that_matters(results: Results) -> None:
+def test_page_says_all_that_matters(results: Compared) -> None:
     """Policies, every metric with its source, provenance, warm-up and the step are on the page."""
-    comparison, _ = results
-    text = Page(render_report(*results)).text
+    comparison = results.comparison
+    text = Page(page_of(results)).text
     for part in (
         "full",
         "static-screen",
         "feedback",
-        "0.5 to 3 s of the path",
+        "2 paths such as turn 0, 0.2 to 1.5 s",
+        *comparison.answer,
         "made up for tests",
     ):
         assert part in text
@@ -89,15 +103,28 @@ def test_page_says_all_that_matters(results: Results) -> None:
         assert metric.id in text
         assert " ".join(metric.source.split()) in " ".join(text.split())
     assert "is assumed, not measured" in text
-    overshoot = comparison.policies[0].metrics["overshoot_ratio"].value
-    assert overshoot is not None
-    assert f"{overshoot:.2f} ×" in text
+    (full,) = (policy for policy in comparison.ok if policy.label == "full")
+    assert full.steps[0].overshoot_ratio > 1.2
+    assert f"{full.steps[0].overshoot_ratio:.2f} ×" in text
     assert "frame 70: ValueError: lost <b>patience</b>" in text
 
 
-def test_markup_in_names_stays_text(results: Results) -> None:
+def test_the_table_is_in_the_order_of_the_answer(results: Compared) -> None:
+    """Rows stand by rank, then who misses, then oracles; whom the answer names is the first."""
+    html = page_of(results)
+    ranking = html[html.index(">Ranking<") : html.index("What each policy gives")]
+    shown = [policy for policy in results.comparison.ok if policy.same_as is None]
+    places = [ranking.index(f">{policy.label}<") for policy in shown]
+    assert places == sorted(places)
+    assert shown[0].rank == 1
+    assert results.comparison.answer[0].startswith(f"Take {shown[0].label}")
+    misses = ranking.index("Not surely within the budget")
+    assert [place > misses for place in places] == [policy.rank is None for policy in shown]
+
+
+def test_markup_in_names_stays_text(results: Compared) -> None:
     """A policy whose name or reason holds tags adds none to the page."""
-    html = render_report(*results)
+    html = page_of(results)
     assert "<b>patience</b>" not in html
     assert "&lt;b&gt;patience&lt;/b&gt;" in html
 
@@ -124,18 +151,18 @@ def test_every_section_is_on_the_page_once() -> None:
     assert sorted(SECTIONS) == sorted(files)
 
 
-def test_charts_hold_every_policy(results: Results) -> None:
+def test_charts_hold_every_policy(results: Compared) -> None:
     """Each chart draws each policy that was scored, and the one that failed nowhere."""
-    html = render_report(*results)
-    for chart in ("time", "distribution", "steps", "tradeoffs"):
+    html = page_of(results)
+    for chart in ("time", "distribution", "steps", "tradeoff"):
         assert html.count(f'id="chart-{chart}"') == 1, chart
-    assert len(re.findall(r'"name":"static-screen"', html)) >= 4 + 2 + 1 + 3
+    assert len(re.findall(r'"name":"static-screen"', html)) >= 4 + 2 + 1 + 4
     assert not re.search(r'"name":"[^"]*Raises"', html)
 
 
-def test_same_results_same_page(results: Results) -> None:
+def test_same_results_same_page(results: Compared) -> None:
     """The page has no random identifiers and no dates."""
-    assert render_report(*results) == render_report(*results)
+    assert page_of(results) == page_of(results)
 
 
 def test_page_of_failures_only(
@@ -145,20 +172,20 @@ def test_page_of_failures_only(
     results = compare(
         [parse_policy(f"{bad_policies}:Nan")],
         small_scene,
-        turn_trace,
+        [turn_trace],
         machine,
         ReplayOptions(budget_ms=8.0),
-        CompareOptions(workers=1),
+        CompareSettings(workers=1),
     )
-    page = Page(render_report(*results))
+    page = Page(page_of(results))
     assert page.open == []
     assert "nan" in page.text
     assert "Nothing to draw" in page.text
 
 
-def test_inks_are_distinct(results: Results) -> None:
+def test_inks_are_distinct(results: Compared) -> None:
     """No two policies look alike, in charts or as markers."""
-    chosen = inks(results[0])
+    chosen = inks(results.comparison)
     assert len(set(chosen.values())) == len(chosen) == 5
 
 

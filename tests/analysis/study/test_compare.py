@@ -2,16 +2,19 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
+from scipy import stats
 
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.study.compare import CompareOptions, compare
-from lodbench.analysis.study.comparison import Comparison, read_comparison
+from lodbench.analysis.study.compare import VARIATIONS, CompareSettings, compare
+from lodbench.analysis.study.comparison import read_comparison
+from lodbench.analysis.study.comparison_folder import Compared, write_results
 from lodbench.base.errors import InputError
 from lodbench.base.files.strict_json import encode_record
 from lodbench.models.machine.cost import CostModel
@@ -20,12 +23,12 @@ from lodbench.models.scene.scene import Scene
 from lodbench.policies.bounds.full import Full
 from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.registry import parse_policy, specs_of
-from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 REPLAY = ReplayOptions(budget_ms=8.0, seed=3)
-ONE = CompareOptions(workers=1, draws=0, warmup_s=0.5)
+ONE = CompareSettings(workers=1, draws=0, warmup_s=0.5, seeds=1)
+SHORT = CompareSettings(workers=1, draws=0, warmup_s=0.1)
 
 MINE = """
 import numpy as np
@@ -38,8 +41,28 @@ class Mine:
 """
 UNGUARDED = """
 import lodbench
-comparison = lodbench.compare(["full", Mine], seconds=(0.0, 1.2), workers=2)
+comparison = lodbench.compare(
+    ["full", Mine], scene="plaza", traces="walk", paths=2, seconds=(0.0, 1.2), workers=2
+)
 print(*(policy.status for policy in comparison.policies))
+"""
+
+
+BREAKS = """
+import os
+from lodbench.policies.knob import Knob
+from lodbench.policies.thresholds.static_screen import StaticScreen
+
+class Breaks(StaticScreen):
+    knob = Knob("bias", 0.005, 50.0)
+    def reset(self, scene, budget_ms):
+        super().reset(scene, budget_ms)
+        self.frames = 0
+    def select(self, view):
+        self.frames += 1
+        if self.bias > 1.0 and self.frames > 5:
+            {}
+        return super().select(view)
 """
 
 
@@ -52,13 +75,22 @@ class World:
     def compare(
         self,
         *policies: str,
-        options: CompareOptions = ONE,
+        settings: CompareSettings = ONE,
         replay: ReplayOptions = REPLAY,
         machine: HardwareProfile | None = None,
-    ) -> tuple[Comparison, dict[str, FrameLog]]:
-        """Compare policies."""
+        paths: Sequence[CameraTrace] = (),
+    ) -> Compared:
+        """Compare policies, on the turn alone unless told."""
         specs = [parse_policy(text) for text in policies]
-        return compare(specs, self.scene, self.trace, machine or self.machine, replay, options)
+        on = paths or [self.trace]
+        return compare(specs, self.scene, on, machine or self.machine, replay, settings)
+
+    def short_paths(self, count: int) -> list[CameraTrace]:
+        """Return so many paths of half a second, each of which turns to the objects later."""
+        return [
+            replace(self.trace.stretch(0.9 - 0.02 * at, 1.4 - 0.02 * at), name=f"path {at}")
+            for at in range(count)
+        ]
 
 
 @pytest.fixture(scope="module")
@@ -69,44 +101,51 @@ def world(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile)
 
 def test_json_follows_the_contract(world: World) -> None:
     """The document has the keys that other tools rely on, in every policy and every metric."""
-    comparison, logs = world.compare("full", "static-screen:first=0.5")
-    document = msgspec.json.decode(encode_record(comparison))
+    document = msgspec.json.decode(
+        encode_record(world.compare("full", "static-screen:first=0.5").comparison)
+    )
     assert next(iter(document)) == "schema"
     assert document["schema"] == "lodbench.compare/2"
     wanted = {
-        "scene",
-        "trace",
-        "hardware",
-        "budget_ms",
-        "seed",
-        "window_s",
-        "policies",
-        "visible_px",
+        *("scene", "paths", "hardware", "budget_ms", "miss", "seed", "window_s", "population"),
+        *("answer", "policies", "p_best", "regret", "least_miss", "curve", "margin", "visible"),
+        *("worst_moments", "robustness", "provenance"),
     }
     assert wanted <= set(document)
-    assert (document["scene"], document["trace"], document["seed"]) == ("small", "turn", 3)
-    second = document["policies"][1]
+    assert (document["scene"], document["paths"], document["seed"]) == ("small", ["turn"], 3)
+    second = next(policy for policy in document["policies"] if policy["params"])
     assert (second["name"], second["params"]) == ("static-screen", {"first": 0.5})
+    assert second["label"] == "static-screen:first=0.5"
     assert (second["status"], second["reason"], second["oracle"]) == ("ok", None, False)
+    knob = second["knob"]
+    assert (knob["name"], knob["value"], knob["tuned"]) == ("bias", 1.0, False)
+    assert {"rank", "same_as"} <= set(second)
+    assert "probability" in second["keeps_budget"]
     assert set(second["metrics"]) == {metric.id for metric in METRICS}
     for score in second["metrics"].values():
-        assert set(score) == {"value", "low", "high", "unit", "better"}
-    assert document["window_s"] == [0.5, 3.0]
-    assert second["frames"] == len(logs["static-screen:first=0.5"])
+        assert {"value", "this_path", "such_paths", "unit", "better"} <= set(score)
+    assert document["window_s"] == [[0.5, 3.0]]
+    assert document["population"] == "this path"
+    assert len(document["answer"]) == 3
+    assert document["worst_moments"].keys() == {"full", "static-screen:first=0.5"}
+    assert {"command", "version", "hashes"} <= set(document["provenance"])
+    assert document["provenance"]["hashes"].keys() == {
+        *("scene small", "hardware machine", "path turn")
+    }
 
 
 def test_absent_metrics_are_null(world: World) -> None:
     """What a run cannot have is null in the JSON, not 0."""
-    document = msgspec.json.decode(encode_record(world.compare("full")[0]))
+    document = msgspec.json.decode(encode_record(world.compare("full").comparison))
     metrics = document["policies"][0]["metrics"]
     for name in ("prediction_error_pct_mean", "levels_changed_per_s", "optimality"):
         assert metrics[name]["value"] is None
-        assert metrics[name]["low"] is None
+        assert metrics[name]["this_path"] is None
 
 
 def test_read_back_equals_what_was_written(world: World, tmp_path: Path) -> None:
     """The JSON of a comparison is the comparison."""
-    comparison, _ = world.compare("full", "feedback")
+    comparison = world.compare("full", "feedback:target=0.9").comparison
     path = tmp_path / "comparison.json"
     path.write_bytes(encode_record(comparison))
     assert read_comparison(path) == comparison
@@ -114,13 +153,13 @@ def test_read_back_equals_what_was_written(world: World, tmp_path: Path) -> None
 
 def test_values_are_those_of_the_log(world: World) -> None:
     """A score is of the frames begun from 0.5 s on, each for as long as the screen waited."""
-    comparison, logs = world.compare("static-screen")
-    log = logs["static-screen"]
+    compared = world.compare("static-screen:bias=1")
+    log = compared.logs["static-screen:bias=1"]
     inside = log["input_ns"] >= 0.5e9
     ends = np.clip(log["display_ns"] * 1e-9, 0.5, 3.0)
     waited = np.diff(ends, prepend=0.5)[inside]
     work = np.maximum(log["cpu_ms"], log["gpu_ms"])[inside]
-    metrics = comparison.policies[0].metrics
+    metrics = compared.comparison.policies[0].metrics
     mean = (work * waited).sum() / waited.sum()
     assert metrics["work_ms_mean"].value == pytest.approx(mean, rel=1e-9)
     over = waited[work > 8.0].sum() / waited.sum()
@@ -131,9 +170,11 @@ def test_values_are_those_of_the_log(world: World) -> None:
 def test_broken_policies_fail_by_name_and_frame(world: World, bad_policies: Path) -> None:
     """Whatever a policy breaks, it fails alone, and the reason names frame and fault."""
     broken = [f"{bad_policies}:{name}" for name in ("Raises", "Nan", "Short", "TooCoarse")]
-    comparison, logs = world.compare("full", *broken, "static-screen")
-    assert [policy.status for policy in comparison.policies] == ["ok", *["failed"] * 4, "ok"]
-    assert list(logs) == ["full", "static-screen"]
+    compared = world.compare("full", *broken, "static-screen:bias=1")
+    comparison, logs = compared.comparison, compared.logs
+    assert [policy.label for policy in comparison.failed] == broken
+    assert sorted(policy.label for policy in comparison.ok) == ["full", "static-screen:bias=1"]
+    assert set(logs) == {"full", "static-screen:bias=1"}
     reasons = [str(policy.reason) for policy in comparison.failed]
     assert reasons[0] == "frame 70: ValueError: lost <b>patience</b>"
     first_seen = next(i for i, n in enumerate(logs["full"]["visible"]) if n)
@@ -145,7 +186,7 @@ def test_broken_policies_fail_by_name_and_frame(world: World, bad_policies: Path
 
 def test_policy_that_does_not_fit_is_not_applicable(world: World, bad_policies: Path) -> None:
     """A policy for trees is not run on a flat scene, and the reason says why."""
-    comparison, _ = world.compare("full", f"{bad_policies}:OnlyTrees")
+    comparison = world.compare("full", f"{bad_policies}:OnlyTrees").comparison
     assert comparison.policies[1].status == "not-applicable"
     assert "flat" in str(comparison.policies[1].reason)
     assert not comparison.failed
@@ -153,7 +194,7 @@ def test_policy_that_does_not_fit_is_not_applicable(world: World, bad_policies: 
 
 def test_refused_parameters_fail_the_policy_alone(world: World) -> None:
     """Parameters that a policy refuses when it is reset do not stop the others."""
-    comparison, _ = world.compare("full", "feedback:target=2")
+    comparison = world.compare("full", "feedback:target=2").comparison
     assert [policy.status for policy in comparison.policies] == ["ok", "failed"]
     assert "target" in str(comparison.policies[1].reason)
 
@@ -167,87 +208,229 @@ def test_policies_are_named_once(world: World) -> None:
 def test_path_that_is_all_warmup_is_refused(world: World) -> None:
     """A warm-up as long as the path leaves nothing to measure, whatever the policy."""
     with pytest.raises(InputError, match="less than the path's 3, got 3"):
-        world.compare("full", options=replace(ONE, warmup_s=3.0))
+        world.compare("full", settings=replace(ONE, warmup_s=3.0))
 
 
 def test_policy_without_a_frame_in_the_window_fails_by_name(world: World) -> None:
     """On a machine that takes two seconds a frame none begins in the last half second."""
     slow = replace(world.machine, gpu=CostModel.of(2_000.0, {}))
-    options = replace(ONE, warmup_s=2.5)
-    comparison, _ = world.compare("full", options=options, machine=slow)
+    settings = replace(ONE, warmup_s=2.5)
+    comparison = world.compare("full", settings=settings, machine=slow).comparison
     (policy,) = comparison.failed
     assert policy.label == "full"
     assert "expected a frame that begins in 2.5 to 3 s" in str(policy.reason)
 
 
 def test_without_replicates_there_are_no_intervals(world: World) -> None:
-    """One seed on one path under one cost model says nothing of any spread."""
-    comparison, _ = world.compare("full")
+    """One seed on one path under one cost model says nothing of any spread, nor how sure it is."""
+    comparison = world.compare("full").comparison
     (step,) = comparison.policies[0].steps
     assert step.time_ms == pytest.approx(1000.0, abs=20.0)
     assert not step.settled
     scores = comparison.policies[0].metrics
     assert scores["overshoot_ratio"].value == pytest.approx(13.0 / 8.0, rel=0.1)
-    assert {score.low for score in scores.values()} == {None}
+    spans = [(score.this_path, score.such_paths, score.with_machine) for score in scores.values()]
+    assert set(spans) == {(None, None, None)}
+    keeps = comparison.policies[0].keeps_budget
+    assert keeps is not None
+    assert (keeps.probability, keeps.kept, keeps.paths) == (None, 0, 1)
+    assert comparison.p_best == {}
 
 
-def test_equal_policies_have_equal_scores(world: World) -> None:
+def test_seeds_are_replays_of_each_path_under_other_noise(world: World) -> None:
+    """Each seed is a row on each path; two or more give an interval, of this path alone."""
+    compared = world.compare("full", settings=replace(ONE, seeds=3))
+    assert compared.comparison.sampling.seeds == 3
+    assert compared.runs is not None
+    assert sorted(compared.runs["seed"].to_pylist()) == [3, 4, 5]
+    score = compared.comparison.policies[0].metrics["work_ms_mean"]
+    assert score.this_path is not None
+    assert score.value is not None
+    assert score.this_path[0] < score.value < score.this_path[1]
+    assert score.such_paths is None
+    assert world.compare("full", settings=replace(ONE, seeds=None)).comparison.sampling.seeds == 5
+    two = world.compare("full", settings=SHORT, paths=world.short_paths(2)).comparison
+    assert two.sampling.seeds == 2
+
+
+def test_equal_policies_are_folded(world: World) -> None:
     """Common noise: the same policy under two labels has the same scores to the last bit."""
-    comparison, _ = world.compare("static-screen", "static-screen:first=0.25")
+    comparison = world.compare("static-screen:bias=1", "static-screen:first=0.25").comparison
     first, second = comparison.ok
     assert first.metrics == second.metrics
+    assert (first.same_as, second.same_as) == (None, first.label)
+    assert second.label not in "".join(comparison.answer)
 
 
 def test_oracle_is_marked(world: World, bad_policies: Path) -> None:
-    """A policy that sees the future is told from those that do not."""
-    comparison, _ = world.compare("full", f"{bad_policies}:Seer")
-    assert [policy.oracle for policy in comparison.policies] == [False, True]
+    """A policy that sees the future is told from those that do not, and has no rank."""
+    comparison = world.compare("full", f"{bad_policies}:Seer").comparison
+    assert [(policy.oracle, policy.rank) for policy in comparison.policies] == [
+        *((False, None), (True, None))
+    ]
 
 
-def test_intervals_are_those_of_the_draws(world: World, fitted_machine: HardwareProfile) -> None:
+def test_intervals_with_the_machine_are_those_of_the_draws(
+    world: World, fitted_machine: HardwareProfile
+) -> None:
     """Coefficients known to 20 % leave a 95th percentile known no better; the value is the mean's.
 
-    The slowest frames have all objects in view: 1 ms, and 12 ms times 0.8 to 1.2, with noise.
+    The slowest frames have all objects in view: 1 ms, and 12 ms times 0.8 to 1.2 by draw.  A
+    seventh draw of these six lies within Student's predictive interval of their logarithms.
     """
-    with_draws = replace(ONE, draws=6)
-    sure, _ = world.compare("full")
-    unsure, _ = world.compare("full", options=with_draws, machine=fitted_machine)
-    assert (sure.intervals.draws, unsure.intervals.draws) == (0, 6)
+    paths, settings = world.short_paths(3), replace(SHORT, draws=6)
+    sure = world.compare("full", settings=SHORT, paths=paths).comparison
+    unsure = world.compare(
+        "full", settings=settings, machine=fitted_machine, paths=paths
+    ).comparison
+    assert (sure.sampling.draws, unsure.sampling.draws) == (0, 6)
     wide, narrow = (c.policies[0].metrics["work_ms_p95"] for c in (unsure, sure))
-    assert wide.value == narrow.value
-    assert wide.low == pytest.approx(1 + 12 * 0.8, rel=0.08)
-    assert wide.high == pytest.approx(1 + 12 * 1.2, rel=0.08)
-    for score in unsure.policies[0].metrics.values():
-        assert score.low is None or score.high is None or score.low <= score.high
+    assert (wide.value, wide.such_paths) == (narrow.value, narrow.such_paths)
+    assert wide.value is not None
+    assert narrow.with_machine is None
+    times = np.log(1.0 + 12.0 * np.linspace(0.8, 1.2, 6))
+    reach = stats.t.ppf(0.95, 5) * times.std(ddof=1) * np.sqrt(7 / 6)
+    assert wide.with_machine == pytest.approx(
+        (wide.value * np.exp(-reach), wide.value * np.exp(reach)), rel=0.05
+    )
 
 
 def test_fewer_draws_than_asked_are_each_taken_once(
     world: World, fitted_machine: HardwareProfile
 ) -> None:
     """A profile with six draws is replayed under six."""
-    options = replace(ONE, draws=100)
-    comparison, _ = world.compare("full", options=options, machine=fitted_machine)
-    assert comparison.intervals.draws == 6
+    settings = replace(ONE, draws=100)
+    compared = world.compare("full", settings=settings, machine=fitted_machine)
+    assert compared.comparison.sampling.draws == 6
+    assert compared.runs is not None
+    draws = compared.runs["draw"].drop_null().to_pylist()
+    assert sorted(draws) == [0, 1, 2, 3, 4, 5]
 
 
 def test_same_bytes_on_any_worker_count(
-    world: World, fitted_machine: HardwareProfile, bad_policies: Path
+    world: World, fitted_machine: HardwareProfile, bad_policies: Path, tmp_path: Path
 ) -> None:
-    """One process or two: the same JSON and the same frame logs, failures included."""
-    policies = ("full", "feedback", f"{bad_policies}:Raises", f"{bad_policies}:Coarsest")
-    results = [
-        world.compare(
+    """One process or two: the same folder to the byte, tuning and failures included."""
+    policies = ("full", "static-screen", f"{bad_policies}:Raises", f"{bad_policies}:Coarsest")
+    for workers in (1, 2):
+        compared = world.compare(
             *policies,
-            options=CompareOptions(workers=workers, draws=2),
+            settings=replace(SHORT, workers=workers, draws=2),
             machine=fitted_machine,
+            paths=world.short_paths(2),
         )
-        for workers in (1, 2)
+        write_results(tmp_path / str(workers), compared)
+    files = [path for path in (tmp_path / "1").rglob("*") if path.is_file()]
+    assert {path.name for path in files} >= {"comparison.json", "runs.parquet", "full.parquet"}
+    for path in files:
+        twin = tmp_path / "2" / path.relative_to(tmp_path / "1")
+        assert path.read_bytes() == twin.read_bytes(), path.name
+
+
+def test_a_single_path_is_tuned_on_its_variations(world: World) -> None:
+    """No value of the knob is chosen on the path that judges it, and the answer is of that path."""
+    settings = replace(SHORT, seeds=2)
+    compared = world.compare("static-screen", settings=settings, paths=world.short_paths(1))
+    comparison = compared.comparison
+    assert comparison.paths == ("path 0",)
+    assert comparison.population == "this path"
+    assert "variations" in comparison.sampling.tuned_on
+    assert "on this path" in comparison.answer[0]
+    assert compared.runs is not None
+    rows = compared.runs.select(["trace", "judged", "knob", "seed"]).to_pylist()
+    knob = comparison.policies[0].knob
+    assert knob is not None
+    assert knob.tuned
+    assert {(row["trace"], row["knob"]) for row in rows if row["judged"]} == {
+        ("path 0", knob.value)
+    }
+    tuned_on = {row["trace"] for row in rows if not row["judged"]}
+    assert len(tuned_on) == VARIATIONS
+    assert "path 0" not in tuned_on
+
+
+def test_of_few_paths_each_is_judged_at_a_knob_tuned_on_the_others(world: World) -> None:
+    """Two easy paths and a hard one: the hard one's knob is the finest, for it was never seen.
+
+    The budget of 8 ms binds where the objects are in view for most of the path.
+    """
+    hard = replace(world.trace.stretch(1.2, 1.7), name="hard")
+    away = [
+        replace(world.trace.stretch(0.1 * at, 0.5 + 0.1 * at), name=f"away {at}") for at in (0, 1)
     ]
-    assert encode_record(results[0][0]) == encode_record(results[1][0])
-    for label, log in results[0][1].items():
-        other = results[1][1][label]
-        assert log.counts.tobytes() == other.counts.tobytes()
-        assert log.times_ns.tobytes() == other.times_ns.tobytes()
+    comparison = world.compare("static-screen", settings=SHORT, paths=[*away, hard]).comparison
+    (policy,) = comparison.policies
+    assert policy.knob is not None
+    *easy, unseen = policy.knob.folds
+    assert len(policy.knob.folds) == 3
+    assert unseen == 50.0  # the finest of its range: where nothing is in view, all is kept
+    assert max(easy) < unseen
+    assert comparison.population == "such paths"
+    assert policy.keeps_budget is not None
+    assert policy.keeps_budget.paths == 3
+
+
+@pytest.mark.parametrize("as_shipped", [False, True])
+def test_what_is_typed_runs_as_typed_and_as_shipped_nobody_is_tuned(
+    world: World, *, as_shipped: bool
+) -> None:
+    """A policy with parameters is replayed with these alone; so are bare ones if told so."""
+    compared = world.compare(
+        "static-screen", "static-screen:bias=0.5",
+        settings=replace(SHORT, as_shipped=as_shipped), paths=world.short_paths(2),
+    )  # fmt: skip
+    by_label = {policy.label: policy for policy in compared.comparison.policies}
+    bare, typed = by_label["static-screen"], by_label["static-screen:bias=0.5"]
+    assert bare.knob is not None
+    assert typed.knob is not None
+    assert (typed.knob.value, typed.knob.tuned, typed.params) == (0.5, False, {"bias": 0.5})
+    assert bare.knob.tuned is not as_shipped
+    assert (bare.knob.value == 1.0) is as_shipped
+    assert set(compared.comparison.curve) == (set() if as_shipped else {"static-screen"})
+    assert compared.runs is not None
+    knobs = {
+        row["knob"]
+        for row in compared.runs.select(["policy", "knob"]).to_pylist()
+        if row["policy"] == "static-screen:bias=0.5"
+    }
+    assert knobs == {None}
+
+
+def test_the_answer_names_the_first_rank_and_no_other(world: World) -> None:
+    """Whoever shares rank 1 is in the first sentence, who misses in the third, and nobody else."""
+    names = ("static-screen:bias=0.02", "static-screen:bias=0.03", "static-screen:bias=0.9")
+    names += ("feedback:target=0.8", "feedback:target=0.81", "full")
+    comparison = world.compare(*names, settings=replace(ONE, seeds=3)).comparison
+    first, _, misses = comparison.answer
+    seen: list[int | None] = []
+    for policy in comparison.policies:
+        if policy.same_as is None:
+            seen.append(policy.rank)
+            assert (policy.label in first) == (policy.rank == 1), policy
+            assert (policy.label in misses) == (policy.rank is None), policy
+        else:
+            assert policy.label not in first + misses
+    assert seen[0] == 1
+    assert 2 in seen
+    assert seen[-1] is None
+
+
+@pytest.mark.parametrize("deed", ["os._exit(3)", "raise ValueError('no')"])
+def test_a_policy_that_breaks_at_some_knob_fails_alone(
+    world: World, tmp_path: Path, deed: str
+) -> None:
+    """It ends its process or raises in the middle of its tuning; the others are as without it."""
+    mine = tmp_path / "breaks.py"
+    mine.write_text(BREAKS.format(deed), encoding="utf-8")
+    others, hostile = ("full", "static-screen"), f"{mine}:Breaks"
+    settings, paths = replace(SHORT, workers=2), world.short_paths(2)
+    alone = world.compare(*others, settings=settings, paths=paths).comparison
+    comparison = world.compare(*others, hostile, settings=settings, paths=paths).comparison
+    (failed,) = comparison.failed
+    assert failed.label == hostile
+    assert failed.metrics == {}
+    assert (comparison.ok, comparison.curve) == (alone.ok, alone.curve)
+    assert (comparison.answer, comparison.p_best) == (alone.answer, alone.p_best)
 
 
 def test_objects_and_users_classes_reach_workers(world: World, tmp_path: Path) -> None:
@@ -262,15 +445,16 @@ def test_objects_and_users_classes_reach_workers(world: World, tmp_path: Path) -
         compare(
             policies,
             world.scene,
-            world.trace,
+            [world.trace],
             world.machine,
             REPLAY,
-            CompareOptions(workers=workers, draws=0),
-        )[0]
+            replace(ONE, workers=workers),
+        ).comparison
         for workers in (1, 2)
     ]
     assert results[0] == results[1]
-    fine, coarse, _ = (policy.metrics["work_ms_mean"].value for policy in results[0].policies)
+    work = {item.label: item.value_of("work_ms_mean") for item in results[0].policies}
+    fine, coarse = work["a"], work["b"]
     assert fine is not None
     assert coarse is not None
     assert fine > coarse
@@ -283,8 +467,10 @@ def test_a_class_of_a_function_reaches_workers(world: World) -> None:
         pass
 
     policies = specs_of([Local, "full"])
-    options = CompareOptions(workers=2, draws=0)
-    comparison, _ = compare(policies, world.scene, world.trace, world.machine, REPLAY, options)
+    settings = replace(ONE, workers=2)
+    comparison = compare(
+        policies, world.scene, [world.trace], world.machine, REPLAY, settings
+    ).comparison
     local, full = comparison.ok
     assert local.metrics == full.metrics
 
@@ -300,7 +486,7 @@ def test_a_script_without_a_guard_runs_once(tmp_path: Path) -> None:
 def test_seed_changes_the_noise(world: World) -> None:
     """Another seed is another day on the same machine."""
     first, again, other = (
-        world.compare("full", replay=ReplayOptions(budget_ms=8.0, seed=seed))[0]
+        world.compare("full", replay=ReplayOptions(budget_ms=8.0, seed=seed)).comparison
         for seed in (0, 0, 1)
     )
     assert first == again
@@ -308,25 +494,45 @@ def test_seed_changes_the_noise(world: World) -> None:
 
 
 def test_progress_counts_every_replay(world: World, fitted_machine: HardwareProfile) -> None:
-    """Two policies under the mean and two draws are six replays."""
+    """Two policies on a path under the mean, two draws, and once for the log: eight replays.
+
+    A round adds what it asks for: the first is of those that are not tuned.
+    """
     seen: list[tuple[int, int]] = []
     compare(
-        [parse_policy("full"), parse_policy("feedback")],
+        [parse_policy("full"), parse_policy("feedback:target=0.9")],
         world.scene,
-        world.trace,
+        [world.trace],
         fitted_machine,
         REPLAY,
-        CompareOptions(workers=1, draws=2),
+        replace(ONE, draws=2),
         progress=lambda done, total: seen.append((done, total)),
     )
-    assert seen == [(i, 6) for i in range(1, 7)]
+    assert seen == [(1, 2), (2, 2), *((i, 8) for i in range(3, 9))]
 
 
-@pytest.mark.parametrize("field", ["draws", "workers"])
-def test_options_are_checked(field: str) -> None:
-    """A negative count is refused by its name."""
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("draws", -1), ("workers", -1), ("seeds", 0), ("miss", 0.6), ("margin", float("nan"))],
+)
+def test_settings_are_checked(field: str, value: float) -> None:
+    """A number out of range is refused by its name."""
     with pytest.raises(InputError, match=field):
-        replace(ONE, **{field: -1})
+        replace(ONE, **{field: value})
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_paths_are_one_or_more_each_with_its_name(world: World, count: int) -> None:
+    """No path at all, and two of one name, are refused before any replay."""
+    with pytest.raises(InputError, match="got none" if count == 0 else "got turn twice"):
+        compare(
+            [parse_policy("full")],
+            world.scene,
+            [world.trace] * count,
+            world.machine,
+            REPLAY,
+            ONE,
+        )
 
 
 def test_broken_comparison_file_is_refused(tmp_path: Path) -> None:

@@ -2,77 +2,92 @@
 
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from lodbench.analysis.study import comparison_folder as output
-from lodbench.analysis.study.compare import CompareOptions, compare
-from lodbench.analysis.study.comparison import Comparison
+from lodbench.analysis.study.compare import CompareSettings, compare
+from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.base.errors import InputError
 from lodbench.base.files import whole_folder
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
-from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
-Results = tuple[Comparison, dict[str, FrameLog]]
+SCREEN = "static-screen:first=0.5,bias=2"
 
 
 @pytest.fixture(scope="module")
-def results(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile) -> Results:
+def results(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfile) -> Compared:
     """Return a comparison of two policies, one of whose labels no file system would like."""
-    policies = [parse_policy(text) for text in ("full", "static-screen:first=0.5,bias=2")]
-    options = CompareOptions(workers=1)
-    return compare(
-        policies, small_scene, turn_trace, machine, ReplayOptions(budget_ms=8.0), options
-    )
+    policies = [parse_policy(text) for text in ("full", SCREEN)]
+    settings = CompareSettings(workers=1, seeds=2)
+    replay = ReplayOptions(budget_ms=8.0)
+    return compare(policies, small_scene, [turn_trace], machine, replay, settings)
 
 
-def test_folder_holds_what_is_promised(results: Results, tmp_path: Path) -> None:
+def test_folder_holds_what_is_promised(results: Compared, tmp_path: Path) -> None:
     """Report, comparison and one frame log a policy are written, and nothing is left beside."""
-    output.write_results(tmp_path / "run", *results)
+    output.write_results(tmp_path / "run", results)
     files = sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file())
     assert files == [
         "run/comparison.json",
         "run/frames/full.parquet",
         "run/frames/static-screen_first=0.5,bias=2.parquet",
         "run/report.html",
+        "run/runs.parquet",
     ]
 
 
-def test_results_are_read_back(results: Results, tmp_path: Path) -> None:
+def test_results_are_read_back(results: Compared, tmp_path: Path) -> None:
     """What is read is what was written."""
-    output.write_results(tmp_path / "run", *results)
-    comparison, logs = output.read_results(tmp_path / "run")
-    assert comparison == results[0]
-    assert {label: log.counts.tobytes() for label, log in logs.items()} == {
-        label: log.counts.tobytes() for label, log in results[1].items()
+    output.write_results(tmp_path / "run", results)
+    read = output.read_results(tmp_path / "run")
+    assert read.comparison == results.comparison
+    assert {label: log.counts.tobytes() for label, log in read.logs.items()} == {
+        label: log.counts.tobytes() for label, log in results.logs.items()
     }
+    assert read.runs == results.runs
 
 
-def test_same_results_same_bytes(results: Results, tmp_path: Path) -> None:
+def test_same_results_same_bytes(results: Compared, tmp_path: Path) -> None:
     """Two folders of one comparison are equal to the byte."""
     for name in ("a", "b"):
-        output.write_results(tmp_path / name, *results)
+        output.write_results(tmp_path / name, results)
     for path in (tmp_path / "a").rglob("*"):
         if path.is_file():
             twin = tmp_path / "b" / path.relative_to(tmp_path / "a")
             assert path.read_bytes() == twin.read_bytes(), path.name
 
 
-def test_earlier_results_are_replaced(results: Results, tmp_path: Path) -> None:
+def test_every_replay_is_a_row(results: Compared, tmp_path: Path) -> None:
+    """Two policies under two seeds are four rows, each with what its policy is judged by."""
+    output.write_results(tmp_path / "run", results)
+    rows = pq.read_table(tmp_path / "run" / "runs.parquet").to_pylist()
+    assert sorted((row["policy"], row["seed"]) for row in rows) == [
+        *(("full", 0), ("full", 1)),
+        *((SCREEN, 0), (SCREEN, 1)),
+    ]
+    assert all(row["judged"] for row in rows)
+    for policy in results.comparison.ok:
+        work = [row["work_ms_mean"] for row in rows if row["policy"] == policy.label]
+        assert sum(work) / 2 == pytest.approx(policy.value_of("work_ms_mean"), rel=1e-12)
+
+
+def test_earlier_results_are_replaced(results: Compared, tmp_path: Path) -> None:
     """A folder that compare wrote gives way to the new one, with all its frame logs."""
     folder = tmp_path / "run"
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     stale = folder / "frames" / "gone.parquet"
     stale.write_bytes(b"")
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     assert not stale.exists()
 
 
 @pytest.mark.parametrize("place", ["notes.txt", "frames/notes.txt"])
-def test_other_files_are_never_lost(results: Results, tmp_path: Path, place: str) -> None:
+def test_other_files_are_never_lost(results: Compared, tmp_path: Path, place: str) -> None:
     """A folder that holds anything else is refused before and after the replays."""
     theirs = tmp_path / "run" / place
     theirs.parent.mkdir(parents=True)
@@ -80,7 +95,7 @@ def test_other_files_are_never_lost(results: Results, tmp_path: Path, place: str
     with pytest.raises(InputError, match=r"notes\.txt; name another"):
         output.check_target(tmp_path / "run")
     with pytest.raises(InputError, match=r"notes\.txt"):
-        output.write_results(tmp_path / "run", *results)
+        output.write_results(tmp_path / "run", results)
     assert theirs.read_text(encoding="utf-8") == "mine"
 
 
@@ -92,10 +107,10 @@ def test_file_is_no_folder(tmp_path: Path) -> None:
 
 
 def test_interrupted_write_leaves_nothing(
-    results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    results: Compared, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C while writing keeps the earlier results and leaves no half-written folder."""
-    output.write_results(tmp_path / "run", *results)
+    output.write_results(tmp_path / "run", results)
     before = (tmp_path / "run" / "comparison.json").read_bytes()
 
     def interrupt(*_: object) -> str:
@@ -103,20 +118,20 @@ def test_interrupted_write_leaves_nothing(
 
     monkeypatch.setattr(output, "render_report", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        output.write_results(tmp_path / "run", *results)
+        output.write_results(tmp_path / "run", results)
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
     assert (tmp_path / "run" / "comparison.json").read_bytes() == before
     with pytest.raises(KeyboardInterrupt):
-        output.write_results(tmp_path / "fresh", *results)
+        output.write_results(tmp_path / "fresh", results)
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
 def test_failed_rename_brings_the_earlier_results_back(
-    results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    results: Compared, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without an exchange, if the new folder cannot be put in place, the old one is."""
     folder = tmp_path / "run"
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     rename = Path.rename
 
     def refuse(*_: Path) -> bool:
@@ -130,7 +145,7 @@ def test_failed_rename_brings_the_earlier_results_back(
     monkeypatch.setattr(whole_folder, "exchange", refuse)
     monkeypatch.setattr(Path, "rename", fail_for_new)
     with pytest.raises(PermissionError):
-        output.write_results(folder, *results)
+        output.write_results(folder, results)
     assert (folder / "comparison.json").is_file()
 
 
@@ -145,20 +160,20 @@ def test_names_of_frame_logs_are_distinct() -> None:
     ]
 
 
-def test_report_is_written_again(results: Results, tmp_path: Path) -> None:
+def test_report_is_written_again(results: Compared, tmp_path: Path) -> None:
     """A lost report comes back the same from the data beside it."""
     folder = tmp_path / "run"
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     before = (folder / "report.html").read_bytes()
     (folder / "report.html").unlink()
     assert output.rewrite_report(folder) == folder / "report.html"
     assert (folder / "report.html").read_bytes() == before
 
 
-def test_frame_log_of_another_run_is_refused(results: Results, tmp_path: Path) -> None:
+def test_frame_log_of_another_run_is_refused(results: Compared, tmp_path: Path) -> None:
     """A frame log that is not of the comparison is named, not drawn."""
     folder = tmp_path / "run"
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     frames = folder / "frames"
     (frames / "full.parquet").write_bytes(
         (frames / "static-screen_first=0.5,bias=2.parquet").read_bytes()
@@ -167,10 +182,10 @@ def test_frame_log_of_another_run_is_refused(results: Results, tmp_path: Path) -
         output.rewrite_report(folder)
 
 
-def test_missing_frame_log_is_refused(results: Results, tmp_path: Path) -> None:
+def test_missing_frame_log_is_refused(results: Compared, tmp_path: Path) -> None:
     """A folder without a frame log says which."""
     folder = tmp_path / "run"
-    output.write_results(folder, *results)
+    output.write_results(folder, results)
     (folder / "frames" / "full.parquet").unlink()
     with pytest.raises(InputError, match=r"full\.parquet"):
         output.rewrite_report(folder)

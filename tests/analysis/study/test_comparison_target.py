@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from lodbench.analysis.study import compare as comparing
 from lodbench.analysis.study import run
-from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.comparison_target import claimed_target
 from lodbench.base.errors import InputError
@@ -21,8 +22,9 @@ from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
-POLICIES = ("full", "static-screen", "feedback")
-RUNS = len(POLICIES) * 3  # under the mean and two draws
+POLICIES = ("full", "static-screen:bias=1", "feedback:target=0.9")
+FIRST = len(POLICIES)  # on the path, of policies that are not tuned
+RUNS = len(POLICIES) * 4  # then under two draws, and for the log
 
 
 class Command:
@@ -49,19 +51,19 @@ class Command:
                 raise KeyboardInterrupt
 
         with claimed_target(out) as target:
-            comparison, logs = compare(
+            compared = compare(
                 policies or [parse_policy(name) for name in POLICIES],
                 self.scene,
-                self.trace,
+                [self.trace],
                 self.hardware,
                 ReplayOptions(budget_ms=8.0, seed=seed),
-                CompareOptions(workers=1, draws=2),
+                CompareSettings(workers=1, draws=2, seeds=1, warmup_s=0.2),
                 progress=progress,
                 target=target,
             )
             assert target is not None
-            target.write(comparison, logs)
-        return comparison
+            target.write(compared)
+        return compared.comparison
 
 
 @pytest.fixture
@@ -69,7 +71,7 @@ def command(
     small_scene: Scene, turn_trace: CameraTrace, fitted_machine: HardwareProfile
 ) -> Command:
     """Return the command in the small world."""
-    return Command(small_scene, turn_trace, fitted_machine)
+    return Command(small_scene, turn_trace.stretch(0.9, 1.4), fitted_machine)
 
 
 def promised(folder: Path) -> dict[str, bytes]:
@@ -99,7 +101,7 @@ def test_a_stopped_comparison_goes_on(
     out = tmp_path / "study" / "run"
     with pytest.raises(KeyboardInterrupt):
         command(out, stop_after=2)
-    line = f"2 of {RUNS} runs are kept; run the same command again to go on\n"
+    line = "2 runs are kept; run the same command again to go on\n"
     assert capsys.readouterr().err == line
     assert not out.exists()
     command(out)
@@ -119,6 +121,28 @@ def test_a_comparison_that_is_there_is_not_repeated(
     assert "holds this comparison: no run is repeated" in capsys.readouterr().err
     assert (promised(out), info(out)) == (before, written)
     assert runs_of(out) == RUNS
+
+
+def test_a_comparison_that_is_stopped_in_every_round_repeats_no_run(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopped before its knob is known, while it is sought, and after: each run is made once.
+
+    What is asked in a later round depends on the results of earlier ones, which the next start
+    reads from what was kept.
+    """
+    monkeypatch.setattr(comparing, "VARIATIONS", 2)
+    policies = [parse_policy("full"), parse_policy("static-screen")]
+    whole, out = tmp_path / "whole", tmp_path / "run"
+    command(whole, policies=policies)
+    runs, starts = runs_of(whole), 0
+    for stop_after in (1, 14, 3):
+        with pytest.raises(KeyboardInterrupt):
+            command(out, policies=policies, stop_after=stop_after)
+        starts += 1
+    command(out, policies=policies)
+    assert (runs_of(out), info(out)["starts"]) == (runs, starts + 1)
+    assert promised(out) == promised(whole)
 
 
 def change_report(out: Path) -> None:
@@ -195,9 +219,11 @@ def test_a_policy_without_content_is_compared_all_the_same(
         raise TypeError("no content to hash")
 
     monkeypatch.setattr(run, "policy_hash", refuse)
+    monkeypatch.setattr(comparing, "policy_hash", refuse)
     out = tmp_path / "run"
     assert command(out, policies=[parse_policy("full")]).ok
     assert not (out / "study.json").exists()
+    assert not (out / "runs.parquet").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.comparison import Comparison
-from lodbench.analysis.study.inputs import load_trace
+from lodbench.analysis.study.inputs import adjust_machine, load_trace
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.registry import parse_policy
@@ -13,22 +13,22 @@ from lodbench.sim.replay import ReplayOptions
 
 @pytest.fixture(scope="module")
 def toured() -> Comparison:
-    """Compare three policies on the bundled scene, trace and profile, at 6 ms a frame."""
+    """Compare three policies on the bundled scene and trace at 6 ms, with no wait for a display."""
     scene = load_scene("plaza")
     return compare(
         [parse_policy(text) for text in ("feedback", "static-distance", "full")],
         scene,
-        load_trace("tour", scene),
-        load_hardware("desktop-assumed"),
+        [load_trace("tour", scene)],
+        adjust_machine(load_hardware("desktop-assumed"), "immediate", None, None),
         ReplayOptions(budget_ms=6.0),
-        CompareOptions(workers=1),
-    )[0]
+        CompareSettings(workers=1, as_shipped=True, seeds=1, draws=0),
+    ).comparison
 
 
 def test_feedback_is_steadier_than_static_than_none(toured: Comparison) -> None:
     """Where the way leads into dense areas, frame times vary least under feedback."""
-    spread = [policy.metrics["frame_ms_sd"].value or 0.0 for policy in toured.ok]
-    assert 0.0 < spread[0] < spread[1] < spread[2]
+    spread = {policy.label: policy.value_of("frame_ms_sd") or 0.0 for policy in toured.ok}
+    assert 0.0 < spread["feedback"] < spread["static-distance"] < spread["full"]
 
 
 def test_feedback_overshoots_a_sudden_step_and_settles(toured: Comparison) -> None:
@@ -36,7 +36,8 @@ def test_feedback_overshoots_a_sudden_step_and_settles(toured: Comparison) -> No
 
     Without management every frame after the step is over, several times.
     """
-    feedback, _, full = (policy.steps[0] for policy in toured.ok)
+    steps = {policy.label: policy.steps[0] for policy in toured.ok}
+    feedback, full = steps["feedback"], steps["full"]
     assert feedback.time_ms == pytest.approx(full.time_ms, abs=50.0)
     assert feedback.load_after_ms > 5.0 * 6.0
     assert 1.05 < feedback.overshoot_ratio < full.overshoot_ratio

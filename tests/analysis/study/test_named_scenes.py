@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lodbench.analysis.study.compare import CompareOptions, compare
+from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.inputs import load_trace
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene_catalog import list_bundled_scenes, load_scene
@@ -19,14 +19,15 @@ def test_compare_runs(name: str) -> None:
     """No policy fails, most of one kind fit, and something is drawn on a walk."""
     scene = load_scene(name)
     for path in PATHS if name in ("city", "soda-hall") else PATHS[:1]:
-        comparison, logs = compare(
+        compared = compare(
             [parse_policy(text) for text in default_policies()],
             scene,
-            load_trace(path, scene).stretch(0.0, 0.2),
+            [load_trace(path, scene).stretch(0.0, 0.2)],
             load_hardware("desktop-assumed"),
             ReplayOptions(budget_ms=16.7),
-            CompareOptions(warmup_s=0.05, workers=1),
+            CompareSettings(warmup_s=0.05, workers=1, as_shipped=True, seeds=1, draws=0),
         )
+        comparison, logs = compared.comparison, compared.logs
         failed = [
             (item.name, item.reason) for item in comparison.policies if item.status == "failed"
         ]

@@ -103,6 +103,19 @@ def test_exclusions_leave_runs_out() -> None:
     ]  # fmt: skip
 
 
+def test_parameters_that_do_not_go_together_are_refused_before_the_work() -> None:
+    """Each value has a partner that it goes with: the one pair that is wrong can be left out."""
+    grid = {"hoppe": {"start_px": [1.0, 100.0], "max_px": [64.0, 200.0]}}
+    with pytest.raises(InputError, match=r"start_px <= max_px, got 0[.]1, 100, 64"):
+        Study("hoppe", parameters=grid).run_list()
+    exclude = [{"start_px": 100.0, "max_px": 64.0}]
+    assert len(Study("hoppe", parameters=grid, exclude=exclude).run_list().runs) == 3
+    with pytest.raises(InputError, match="expected target in"):
+        Study("hoppe", parameters={"hoppe": {"target": [0.9, 2.0]}})
+    with pytest.raises(InputError, match="expected target in"):
+        Study(["full", "hoppe:target=2"])
+
+
 def test_inputs_are_loaded_once_and_only_where_they_are_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_scene: Scene
 ) -> None:

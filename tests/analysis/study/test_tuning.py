@@ -11,7 +11,7 @@ import pytest
 from lodbench.analysis.study.engine.task import Failure, Outcome
 from lodbench.analysis.study.replays import Bench, Place, Replays
 from lodbench.analysis.study.score import Scored
-from lodbench.analysis.study.tuning import FIRST_VALUES, MOST_VALUES, rotate, tune
+from lodbench.analysis.study.tuning import MOST_VALUES, SCANNED_PATHS, SCANNED_VALUES, rotate, tune
 from lodbench.policies.knob import Knob
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
@@ -78,8 +78,12 @@ def test_the_finest_knob_that_surely_keeps_the_budget_is_found(
     assert tuned.point.keeps
     assert tuned.point.monotone
     assert set(tuned.judged.tolist()) == {tuned.point.value}
-    assert FIRST_VALUES < len(tuned.values) <= FIRST_VALUES + 4  # not as many as halving takes
-    assert len(engine.runs) == 10 * len(tuned.values)  # each once, for all folds together
+    assert SCANNED_VALUES < len(tuned.values) <= SCANNED_VALUES + 4  # fewer than halving takes
+    places = {(run.policy.params["bias"], run.trace) for run in engine.runs}
+    assert len(places) == len(engine.runs)  # each once, for all folds together
+    whole = [value for value in tuned.values if (value, "9") in places]
+    assert len(whole) <= 6  # only near the budget on all paths
+    assert len(places) == SCANNED_PATHS * len(tuned.values) + (10 - SCANNED_PATHS) * len(whole)
 
 
 def test_a_path_takes_no_part_in_the_choice_of_its_own_knob(
@@ -106,7 +110,7 @@ def test_what_cannot_keep_the_budget_is_judged_where_it_misses_least(
     tuned = tune(make_replays(engine, 5), rotate(5, 0), BUDGET_MS, 0)["static-screen"]
     assert not tuned.point.keeps
     assert tuned.point.value == KNOB.low
-    assert len(tuned.values) == FIRST_VALUES
+    assert len(tuned.values) == SCANNED_VALUES
 
 
 def test_a_knob_that_turns_back_is_scanned_whole(made_scored: Callable[..., Scored]) -> None:

@@ -7,15 +7,16 @@ import msgspec
 import numpy as np
 import pytest
 
-from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.validation.replays import SimulateOptions, simulate_all
+from lodbench.analysis.study.compare import CompareSettings
+from lodbench.analysis.study.score import Scored
+from lodbench.analysis.validation.replays import simulate_all
 from lodbench.analysis.validation.validate import (
     Measured,
     Pair,
-    Setting,
+    Simulated,
+    Simulation,
     require_other_frames,
     require_priced,
-    span_of,
     validate,
 )
 from lodbench.analysis.validation.validation_page import render_validation
@@ -26,7 +27,7 @@ from lodbench.base.predictors import GPU_PREDICTORS
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile, Posterior
 from lodbench.models.machine.residual import Residual
-from lodbench.models.scene.scene_catalog import open_scene
+from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.frame_log import FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
@@ -46,21 +47,22 @@ def counts_of(log: FrameLog) -> dict[str, np.ndarray]:
 def replays(make_hardware_once: Callable[[float], HardwareProfile]) -> Replays:
     """Validate a profile on a machine that is one tenth slower than it says."""
     profile, slower = make_hardware_once(1.0), make_hardware_once(1.1)
-    scene = open_scene("plaza")
+    scene = load_scene("plaza")
     trace = tour((0.0, 0.0, 0.0), (200.0, 200.0)).stretch(0.0, 2.5)
     options = ReplayOptions(budget_ms=20.0)
     again = replace(options, seed=5)
-    measured: dict[str, tuple[Measured, ...]] = {}
+    settings = CompareSettings(workers=1, draws=4, warmup_s=0.5)
+    simulation = simulate_all(LABELS, scene, trace, profile, options, settings)
+    pairs: dict[str, Pair] = {}
     for label in LABELS:
         logs = [
-            replay(parse_policy(label).make(), scene.scene, trace, slower, chosen, name=label)
+            replay(parse_policy(label).make(), scene, trace, slower, chosen, name=label)
             for chosen in (options, again)
         ]
-        measured[label] = tuple(Measured(log, counts_of(log)) for log in logs)
-    simulating = SimulateOptions(workers=1, draws=4, warmup_s=0.5)
-    setting, pairs = simulate_all(LABELS, scene, trace, profile, options, simulating, measured)
+        measured = tuple(Measured(log, counts_of(log)) for log in logs)
+        pairs[label] = Pair(measured, simulation.policies[label].log)
     log = {"renderer": "none", "resolution": "640x360", "date": "2026-01-01"}
-    return validate(setting, pairs, profile, log), pairs, profile
+    return validate(simulation, pairs, profile, log), pairs, profile
 
 
 @pytest.fixture(scope="module")
@@ -163,34 +165,19 @@ def test_what_cannot_be_priced_is_refused(replays: Replays) -> None:
         require_priced(replace(profile, gpu=CostModel.of(0.0, {}, {"triangles": 1.0})))
 
 
-def test_a_recording_of_warm_up_alone_is_refused(replays: Replays) -> None:
+def test_a_recording_of_warm_up_alone_is_refused(
+    replays: Replays, made_scored: Callable[..., Scored]
+) -> None:
     """A recording that ends before the window has nothing to compare, and says so."""
     validation, pairs, profile = replays
     simulated = pairs["full"].simulated
     early = simulated["input_ns"] < 0.5e9
     short = FrameLog(simulated.header, simulated.times_ns[early], simulated.counts[early])
-    setting = Setting(
-        scene="plaza",
-        trace="tour",
-        trace_s=2.5,
-        window_s=(0.5, 2.5),
-        budget_ms=20.0,
-        seed=0,
-        draws=0,
-    )
-    assert validation.window_s == setting.window_s
+    assert validation.window_s == (0.5, 2.5)
+    scored = Simulated(made_scored(), ())
+    simulation = Simulation("plaza", "tour", 2.5, 20.0, 0, (0.5, 2.5), {"full": scored})
     pair = Pair((Measured(short, counts_of(short)),), simulated)
     with pytest.raises(
         InputError, match=r"frame that begins in 0.5 to 2.5 s of the path, got none"
     ):
-        validate(setting, {"full": pair}, profile, {})
-
-
-def test_ends_are_quantiles_over_draws_and_noise(replays: Replays) -> None:
-    """Of 21 replays that took 0 to 20 ms, 90 % took 1 to 19; of one, none is told."""
-    log = replays[1]["full"].simulated
-    nothing: dict[str, float | None] = {metric.id: None for metric in METRICS}
-    spread = tuple(nothing | {"work_ms_mean": float(ms)} for ms in range(21))
-    assert span_of(Pair((), log, spread), "work_ms_mean") == pytest.approx((1.0, 19.0))
-    assert span_of(Pair((), log, spread[:1]), "work_ms_mean") == (None, None)
-    assert span_of(Pair((), log, spread), "lag_ms_mean") == (None, None)
+        validate(simulation, {"full": pair}, profile, {})

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from lodbench.analysis.verdict.chances import p_best_in_order
+from lodbench.analysis.verdict.chances import order_chances
 from lodbench.analysis.verdict.criterion import Criterion, beyond_margin
 from lodbench.analysis.verdict.folds import folds
 from lodbench.analysis.verdict.intervals import Interval, difference, such_paths
@@ -179,7 +179,7 @@ def test_the_best_in_the_order_is_as_probable_as_said(policies: int, *, full_stu
             Criterion("pops", values["pops"]),
             Criterion("work", values["work"]),
         ]
-        p_best = p_best_in_order(criteria, draws=400, seed=seed)
+        p_best = order_chances(criteria, draws=400, seed=seed).p_best
         said.append(float(p_best.max()))
         right.append(int(p_best.argmax()) == best_in_order(truth, criteria))
     claims, truths = np.array(said), np.array(right)

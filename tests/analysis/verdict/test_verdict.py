@@ -120,7 +120,7 @@ def test_policies_of_equal_distribution_share_a_rank(judged: MakeJudged) -> None
     leaders = {policy.leader for policy in verdict.policies}
     assert len(leaders) == 1
     assert "could not be told apart" in verdict.answer[0]
-    near = verdict.chances["order"].near_best
+    near = verdict.order.p_near_best
     assert min(near.values()) > 0.9
 
 
@@ -131,7 +131,7 @@ def test_identical_policies_are_one_row(judged: MakeJudged) -> None:
     )
     assert [policy.label for policy in verdict.policies] == ["also", "twin", "other"]
     assert [policy.same_as for policy in verdict.policies] == [None, "also", None]
-    assert verdict.chances["order"].best == {"also": 1.0, "other": 0.0}
+    assert verdict.order.p_best == {"also": 1.0, "other": 0.0}
     assert "twin" not in verdict.answer[0]
 
 

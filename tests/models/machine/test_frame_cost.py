@@ -59,6 +59,15 @@ def test_objects_by_hand(make_levels: MakeLevels) -> None:
     assert table == pytest.approx(np.array((each, (1.5 + 0.05 + 5.0, 0.6 + 0.05 + 5.0))))
 
 
+def test_what_no_level_decides_by_hand(make_levels: MakeLevels) -> None:
+    """Areas of 50 and 150 px at 1e-4 ms each; levels, the base and changes of state are no part."""
+    unit_ms = {"triangles": 1e-3, "draw_calls": 0.5, "shaded_samples": 1e-4, "state_changes": 7.0}
+    costs = FrameCost(CostModel.of(9.0, unit_ms), make_levels([(1000, 100)]))
+    assert costs.linear_in_detail
+    assert costs.anyway_ms(seen([50.0, 150.0])) == pytest.approx(0.02)
+    assert costs.anyway_ms(seen([])) == 0.0
+
+
 def test_what_lies_between_knots_costs_what_lies_between(make_levels: MakeLevels) -> None:
     """A quarter of the way from 1,000 triangles to 200, an object has 800 of them."""
     costs = FrameCost(CostModel.of(0.0, {"triangles": 1.0}), make_levels([(1000, 200)]))

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import pytest
 
@@ -30,6 +30,8 @@ class Knobs:
     mode: Literal["fast", "exact"] = "fast"
     free: float = 2.0
 
+    rising: ClassVar[tuple[str, ...]] = ("below", "fraction")
+
 
 @pytest.mark.parametrize(
     ("text", "inside", "outside"),
@@ -50,7 +52,7 @@ def test_intervals_have_their_ends_as_written(
 
 def test_defaults_and_none_where_it_is_allowed_pass() -> None:
     """Nothing is refused that the annotations allow."""
-    check_parameters(Knobs(), "knobs", "below", "fraction", "share")
+    check_parameters(Knobs(), "knobs")
     check_parameters(Knobs(limit=3.0, free=math.nan), "knobs")
 
 
@@ -69,4 +71,4 @@ def test_the_parameter_its_range_and_its_value_are_named(
 ) -> None:
     """One shape of message for every range, choice and order."""
     with pytest.raises(InputError, match=message):
-        check_parameters(Knobs(**wrong), "knobs", "below", "fraction")
+        check_parameters(Knobs(**wrong), "knobs")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.arrays import FloatArray
-from lodbench.policies.solvers.active_set import search_active_set
+from lodbench.policies.solvers.active_set import ActiveSet
 from lodbench.policies.solvers.allocation import Allocation, Shares, allocate
 
 nlpsol: Any = casadi.nlpsol
@@ -31,7 +31,7 @@ def by_active_set(
 ) -> Allocation:
     """Return what the search finds, asked as `allocate` is."""
     shares = Shares(weight, cost, budget, power, low, np.full(len(cost), high))
-    return search_active_set(shares, max_iterations=1_000_000)
+    return ActiveSet(1_000_000).search(shares)
 
 
 SOLVERS: dict[str, Solver] = {

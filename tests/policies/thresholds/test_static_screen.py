@@ -123,17 +123,18 @@ def test_levels_follow_the_rule_whatever_came_before(
     scene = make_scene(rng.uniform(-12, 12, (60, 3)), kind=np.arange(60) % 2, levels=levels)
     policy = StaticScreen(hysteresis=hysteresis)
     policy.reset(scene, 16.0)
-    drawn, frame, last = np.full(60, np.nan), 0, None
+    drawn, frame, last, previous = np.full(60, np.nan), 0, None, None
     chosen: list[tuple[np.ndarray, list[int]]] = []
     for _ in range(80):
         frame += int(rng.choice((1, 1, 1, 2)))
         position = tuple(rng.uniform(-step_m, step_m, 3))
-        view = make_view(scene, Camera(position, UPRIGHT, 100, 100, 1.5), detail=drawn, frame=frame)
+        camera = Camera(position, UPRIGHT, 100, 100, 1.5)
+        view = make_view(scene, camera, detail=drawn, frame=frame, previous=previous)
         if last is not None and np.array_equal(last.ids, view.ids):
             view = View(view.state, last.ids, view.xyz_m, last.nodes)
         last, bias = view, float(rng.choice((0.05, 0.9, 1.0, 1.1)))
         before = [float(level) for level in drawn]
-        selection = policy.select_biased(view, bias)
+        selection = previous = policy.select_biased(view, bias)
         heights = list(map(float, screen_height(view, bias)))
         expected = [
             level_by_rule(height, before[i], 4 - 2 * (i % 2), hysteresis)
@@ -144,7 +145,7 @@ def test_levels_follow_the_rule_whatever_came_before(
         drawn[view.ids] = selection.detail
         if rng.random() < 0.1:
             # As after frames that were not this policy's.
-            drawn[view.ids[:3]], frame = 0.0, frame + 1
+            drawn[view.ids[:3]], frame, previous = 0.0, frame + 1, None
     assert all(detail.tolist() == levels for detail, levels in chosen)  # none was changed later
 
 

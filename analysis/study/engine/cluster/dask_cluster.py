@@ -159,9 +159,21 @@ class Cluster:
 
 
 def require_cluster(scheduler: str) -> None:
-    """Raise `InputError` unless there is the package and an address; nobody is asked yet."""
+    """Raise `InputError` unless there is the package and an address; nobody is asked yet.
+
+    An address is one if Dask knows its kind, and it has the host and the port that the kind wants.
+    """
     _import_distributed()
-    _address_of(scheduler)
+    address = _address_of(scheduler)
+    from distributed.comm.addressing import get_address_host
+
+    try:
+        get_address_host(address)
+    except ValueError as error:
+        raise InputError(
+            f"--scheduler {scheduler}: expected an address such as tcp://HOST:8786, got {error}; "
+            "check the address"
+        ) from error
 
 
 class QuietDask:

@@ -21,7 +21,7 @@ from .versions import Versions, describe_difference, versions_here
 
 _SHARE = 0.8
 """Of a Dask worker's memory: what the processes beside its threads may have together."""
-_LOOK_S = 0.5
+_LOOK_S = 0.1
 _WANTED = ("executing", "long-running")
 """States of a task in a Dask worker whose result somebody waits for."""
 
@@ -87,11 +87,8 @@ def carry_out(sent: SentInputs, batch: Batch) -> Answer:
         limits = replace(limits, memory_bytes=_bytes_for_a_thread())
     answer = Answer()
     try:
-        with sent.engine(batch.owner, limits) as engine, _while_wanted(engine) as unwanted:
-            for outcome in engine.run(cast("Sequence[Task]", batch.tasks), stop=batch.stop):
-                if unwanted.is_set():  # the outcome is that of our own interruption
-                    raise InterruptedError("nobody waited for this any more")
-                answer.outcomes.append(outcome)
+        with sent.engine(batch.owner, limits) as engine, _while_wanted(engine):
+            answer.outcomes.extend(engine.run(cast("Sequence[Task]", batch.tasks), stop=batch.stop))
     except InputError as error:
         return replace(answer, refusal=error)
     return answer
@@ -106,7 +103,7 @@ def mismatch(difference: str) -> str:
 
 
 @contextmanager
-def _while_wanted(engine: LocalEngine) -> Generator[threading.Event]:
+def _while_wanted(engine: LocalEngine) -> Generator[None]:
     """Interrupt the engine if nobody waits for the block's results any more.
 
     A Dask worker does not stop a thread whose task was cancelled, as when the client is gone.
@@ -115,19 +112,18 @@ def _while_wanted(engine: LocalEngine) -> Generator[threading.Event]:
 
     worker: Any = get_worker()
     key: Any = worker.get_current_task()
-    unwanted, done = threading.Event(), threading.Event()
+    done = threading.Event()
 
     def look() -> None:
         while not done.wait(_LOOK_S):
             task = worker.state.tasks.get(key)
             if task is None or task.state not in _WANTED:
-                unwanted.set()  # first: what is interrupted looks like a failure
                 engine.interrupt()
 
     thread = threading.Thread(target=look, daemon=True)
     thread.start()
     try:
-        yield unwanted
+        yield
     finally:
         done.set()
         thread.join()

@@ -58,6 +58,7 @@ class LocalEngine:
         self._printed: dict[str, bytes] = {}
         self._failed_starts = 0
         self._killed = Counter[int]()
+        self._interrupted = False
 
     def __enter__(self) -> Self:
         given = self._inputs
@@ -76,7 +77,10 @@ class LocalEngine:
         self._printed.clear()
 
     def run(self, tasks: Sequence[Task], *, stop: bool = True) -> Iterator[Outcome]:
-        """Yield what became of each task (see `Engine`)."""
+        """Yield what became of each task (see `Engine`).
+
+        Raises InterruptedError after `interrupt`.
+        """
         assert self._shared is not None, "an engine is entered before it runs"
         self._tasks = tasks
         self._killed.clear()
@@ -86,6 +90,8 @@ class LocalEngine:
         self._watch = Watch(self._limits, memory_bytes, shared_bytes)
         try:
             while not self._schedule.finished:
+                if self._interrupted:
+                    raise InterruptedError("nobody waits for this any more")
                 self._assign()
                 for outcome in self._wait():
                     yield from self._schedule.finish(outcome)
@@ -95,7 +101,8 @@ class LocalEngine:
             self._end([worker for worker in self._workers if worker.queue])
 
     def interrupt(self) -> None:
-        """Kill what runs, so that its tasks fail; may be called from any thread."""
+        """Kill what runs, and have `run` raise at once; may be called from any thread."""
+        self._interrupted = True  # first: what is killed from outside would be repeated
         for worker in list(self._workers):
             worker.kill()
 

@@ -192,8 +192,6 @@ def _prepare(channel: socket.socket, inputs_fd: int) -> dict[str, Any]:
 
 def _reply_to(index: int, error: BaseException, frame: int) -> Reply:
     """Return what is said of a task that raised."""
-    if isinstance(error, InputError) and isinstance(error.__cause__, MemoryError):
-        error = error.__cause__  # a constructor was beyond its limit: that is no bad parameter
     if isinstance(error, PolicyError):
         return Reply(index, "failed", reason=str(error.reason), frame=error.frame)
     if isinstance(error, NotApplicableError):

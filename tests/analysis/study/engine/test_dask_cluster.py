@@ -22,7 +22,7 @@ from lodbench.analysis.study.engine.cluster.versions import (
     describe_difference,
     versions_here,
 )
-from lodbench.analysis.study.engine.open_engine import open_engine
+from lodbench.analysis.study.engine.open_engine import open_engine, prepare_engine
 from lodbench.base.errors import InputError
 from lodbench.base.user_code import load_object
 
@@ -116,6 +116,27 @@ def test_addresses_that_lead_nowhere_are_refused_in_one_line(
         assert refusal_of(str(other)).startswith(f"{other}: expected a file that `dask scheduler")
     with CONFIG.set({"scheduler-address": None}):
         assert "DASK_SCHEDULER_ADDRESS" in refusal_of("config")
+
+
+def test_an_address_is_looked_at_before_anybody_is_asked(tmp_path: Path) -> None:
+    """Its kind, host and port; one at which nobody listens is well formed."""
+    for address, said in {
+        "tcp://127.0.0.1": "missing port number",
+        "tls://host:port": "invalid literal",
+        "carrier://pigeon:1": "unknown address scheme 'carrier'",
+    }.items():
+        with pytest.raises(InputError) as refused:
+            prepare_engine(address)
+        line = str(refused.value)
+        assert line.startswith(f"--scheduler {address}: expected an address such as tcp://HOST")
+        assert said in line
+        assert "\n" not in line
+    file = tmp_path / "scheduler.json"
+    file.write_text('{"address": "carrier://pigeon:1"}')
+    with pytest.raises(InputError, match="unknown address scheme 'carrier'"):
+        prepare_engine(str(file))
+    for address in ("tcp://127.0.0.1:1", "tls://host:8786", "tcp://[::1]:8786"):
+        prepare_engine(address)
 
 
 def test_versions_that_differ_are_named() -> None:

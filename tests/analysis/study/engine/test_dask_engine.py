@@ -167,20 +167,33 @@ def test_a_study_that_is_left_leaves_nothing_running(cluster: Any, add: Any) -> 
     wait_for(lambda: not workers_of(cluster), 5.0)
 
 
-def test_a_client_that_is_killed_leaves_nothing_running(cluster: Any, tmp_path: Path) -> None:
-    """Nobody waits for its tasks any more: their processes end though they would hang."""
+@pytest.mark.parametrize(
+    ("number", "within_s"), [(signal.SIGINT, 2.0), (signal.SIGTERM, 10.0), (signal.SIGKILL, 10.0)]
+)
+def test_a_client_that_ends_leaves_nothing_running(
+    cluster: Any, tmp_path: Path, number: int, within_s: float
+) -> None:
+    """Nobody waits for its tasks any more: their processes end though they would hang.
+
+    They do so as soon as it is interrupted, and are not started again; a client that cannot tell
+    anybody is missed by the scheduler.
+    """
     (tmp_path / "tasks.py").write_text(TASKS)
     (tmp_path / "client.py").write_text(
+        "import signal\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # deaf in the background
         "from lodbench.analysis.study.engine.cluster.dask_engine import DaskEngine\n"
         "from lodbench.base.user_code import load_object\n"
         f"add = load_object({str(tmp_path / 'tasks.py')!r} + ':Add', 'task')\n"
         f"with DaskEngine({{}}, {cluster.scheduler_address!r}) as engine:\n"
         "    list(engine.run([add(f'owner-{i}', i, 'hang') for i in range(4)]))\n"
     )
-    with subprocess.Popen([sys.executable, str(tmp_path / "client.py")]) as client:
-        wait_for(lambda: len(workers_of(cluster)) == 2)
-        client.kill()
-    wait_for(lambda: not workers_of(cluster), 10.0)
+    command = [sys.executable, str(tmp_path / "client.py")]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as client:
+        victims = wait_for(lambda: (pids := workers_of(cluster)) and len(pids) == 2 and pids, 60.0)
+        client.send_signal(number)
+        wait_for(lambda: all(map(ended, victims)) and not workers_of(cluster), within_s)
+    assert not workers_of(cluster)
 
 
 def workers_of(cluster: Any) -> list[int]:

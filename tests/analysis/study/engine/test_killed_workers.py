@@ -2,6 +2,8 @@
 
 import os
 import signal
+import threading
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -52,3 +54,37 @@ def test_a_run_whose_process_is_killed_is_repeated_twice(
         assert "killed" in first.failure.reason or "SIGKILL" in first.failure.reason
     assert len((tmp_path / "a").read_text()) == min(kills + 1, 3)
     assert second.result == 1
+
+
+@dataclass(frozen=True)
+class Hangs:
+    """A task that says by which process it is carried out, and never ends."""
+
+    folder: Path
+    owner: str = "a"
+
+    result_type: ClassVar[Any] = int
+
+    def __call__(self, inputs: Any, beat: Any) -> int:
+        """Leave a file named by the process."""
+        (self.folder / str(os.getpid())).touch()
+        return signal.pause() or 0
+
+
+def test_what_is_interrupted_is_not_repeated(tmp_path: Path) -> None:
+    """A task and a second one behind it: `run` raises, and no other process is started for them."""
+    with LocalEngine({}, 1, Limits(timeout_s=30.0)) as engine:
+
+        def interrupt() -> None:
+            while not list(tmp_path.iterdir()):
+                time.sleep(0.01)
+            engine.interrupt()
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        with pytest.raises(InterruptedError):
+            list(engine.run([Hangs(tmp_path), Hangs(tmp_path)]))
+        thread.join()
+    (pid,) = tmp_path.iterdir()
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.name), 0)

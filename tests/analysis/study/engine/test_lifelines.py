@@ -66,7 +66,8 @@ def test_workers_end_with_the_command(
     started.mkdir()
     scratch.mkdir()
     command = [sys.executable, "-m", "lodbench", "compare", "--policy", "mine.py:Sleeps"]
-    command += ["--policy", "full", "--workers", "2", "--trace", "walk", "--out", "out"]
+    command += ["--policy", "full", "--workers", "2", "--scene", "plaza", "--trace", "walk"]
+    command += ["--out", "out"]
     with subprocess.Popen(
         command,
         cwd=tmp_path,

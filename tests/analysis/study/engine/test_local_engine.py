@@ -118,20 +118,37 @@ def test_how_a_task_can_end() -> None:
         run(Does("a", refuses))
 
 
-def test_who_is_made_without_memory_fails_alone() -> None:
-    """Taking too much in a constructor is no bad input, which would end the study."""
+def test_who_cannot_be_made_fails_alone() -> None:
+    """What a constructor raises is no bad input, which would end the study: of whatever kind."""
 
-    class Large:
+    class Unmade:
         """Is never made."""
 
-        def __init__(self) -> None:
-            raise MemoryError
+        def __init__(self, error: BaseException) -> None:
+            raise error
 
-    spec = PolicySpec("large", "large", Large, {})
-    failed, done = run(Does("a", lambda _: spec.make()), Does("b", lambda _: 1), stop=False)
-    assert failed.failure is not None
-    assert (failed.failure.kind, failed.failure.reason) == ("failed", "MemoryError")
-    assert done.result == 1
+    for error in (MemoryError(), KeyError(1), ValueError("odd"), SystemExit(2), GeneratorExit()):
+        spec = PolicySpec("unmade", "unmade", Unmade, {"error": error})
+        tasks = Does("a", lambda _, spec=spec: spec.make()), Does("b", lambda _: 1)
+        failed, done = run(*tasks, stop=False)
+        assert failed.failure is not None
+        assert failed.failure.kind == "failed"
+        assert type(error).__name__ in failed.failure.reason
+        assert done.result == 1
+
+
+def test_a_constructor_that_refuses_is_bad_input() -> None:
+    """An `InputError` says that the parameters are wrong, whose remedy is another command."""
+
+    class Choosy:
+        """Is never made either."""
+
+        def __init__(self) -> None:
+            raise InputError("choosy: expected more, got less")
+
+    spec = PolicySpec("choosy", "choosy", Choosy, {})
+    with pytest.raises(InputError, match=r"^choosy: expected more, got less$"):
+        run(Does("a", lambda _: spec.make()))
 
 
 def test_what_cannot_be_sent_is_named() -> None:

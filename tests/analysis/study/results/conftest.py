@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lodbench.analysis.metrics.footing import Footing
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.metrics.steps import Step
+from lodbench.analysis.metrics.worst_moment import Moment
 from lodbench.analysis.study.engine.task import Failure, Outcome
 from lodbench.analysis.study.results.run_list import RunList
 from lodbench.analysis.study.run import Run
@@ -45,7 +47,9 @@ def build_scored(seed: int, **more: Any) -> Scored:
     rng = np.random.default_rng(seed)
     values = {name: None if rng.random() < 0.2 else float(rng.normal()) for name in IDS}
     steps = (Step(seed, 1.5, 2.0, 3.0, 0.1, bool(seed % 2), 1.25),) * (seed % 3)
-    return replace(Scored(None, values, steps, 30 + seed), **more)
+    worst = Moment("tour", 2.0, (0.0, 0.0, 1.7), 9.0, 5.0, "triangles", 3.0)
+    scored = Scored(None, values, steps, 30 + seed, float(rng.random()), worst, Footing(90.0, 0.1))
+    return replace(scored, **more)
 
 
 def build_outcome(at: int, **more: Any) -> Outcome:

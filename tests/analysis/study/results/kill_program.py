@@ -1,14 +1,16 @@
-"""A study in a process of its own, to be killed: ``kill_program.py KIND FOLDER [STEP]``.
+"""A study in a process of its own, to be killed: ``kill_program.py KIND FOLDER STEP SCHEDULER``.
 
-Its file-system steps are counted, and it kills itself before one of them if that is asked for.  It
-prints a line of JSON at its begin, after each result, when all are durable, and at its end.
+With a step, its steps of the file system are counted, and it kills itself before that one if there
+is such; their number is the same every time, since results wait for each other.  With ``-`` they
+come as they come.  A scheduler of ``-`` is this machine.  It prints a line of JSON at its begin,
+after each result, when all are durable, and at its end.
 """
 
 import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ import lodbench
 from lodbench.analysis.study import comparison_folder
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.results import commit, parts, store
+from lodbench.analysis.study.results.record import Entry
 from lodbench.analysis.study.study import Study
 from lodbench.base.files import whole_folder
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
@@ -34,10 +37,24 @@ STEPS = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.li
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
 
 
+class Lockstep(commit.GroupCommit[Entry]):
+    """Writes three results at a time, whenever they come; who adds them waits for the third."""
+
+    def __init__(self, write: Callable[[Sequence[Entry]], None]) -> None:
+        commit.GROUP, commit.HOLD_S = 3, 1e6
+        super().__init__(write)
+
+    def add(self, item: Entry) -> None:
+        """Leave a result to be written with two others."""
+        super().add(item)
+        if self._added % commit.GROUP == 0:
+            self.flush()
+
+
 class Steps:
     """Counts what the process does to the files of a folder, and kills it before one of them."""
 
-    def __init__(self, folder: Path, last: int | None) -> None:
+    def __init__(self, folder: Path, last: int) -> None:
         self.count, self._last = 0, last
         self._inside = os.fsencode(folder)
         fsync, exchange = os.fsync, whole_folder.exchange
@@ -121,7 +138,7 @@ def draw_line(comparison: Comparison, _: Mapping[str, FrameLog]) -> str:
     return repr(comparison)
 
 
-def compare(folder: Path) -> None:
+def compare(folder: Path, scheduler: str | None) -> None:
     """Compare three policies under three machines: nine runs, then report and frame logs.
 
     The page is a line, as drawing one takes longer than all the rest.
@@ -136,12 +153,13 @@ def compare(folder: Path) -> None:
         budget_ms=8.0,
         draws=2,
         workers=2,
+        scheduler=scheduler,
         out=folder / "run",
         progress=say_progress,
     )
 
 
-def sweep(folder: Path) -> None:
+def sweep(folder: Path, scheduler: str | None) -> None:
     """Carry out 36 runs, with small groups and parts, so that files are merged and split."""
     commit.GROUP, commit.HOLD_S, parts.FAN, store.ROWS = 3, 0.02, 3, 10
     scene, trace, hardware = build_world()
@@ -155,19 +173,24 @@ def sweep(folder: Path) -> None:
         draws=0,
         warmup_s=0.1,
     )
-    study.run(out=folder / "run", workers=2, progress=say_progress)
+    study.run(out=folder / "run", workers=2, scheduler=scheduler, progress=say_progress)
 
 
-KINDS: dict[str, Callable[[Path], None]] = {"compare": compare, "sweep": sweep}
+KINDS: dict[str, Callable[[Path, str | None], None]] = {"compare": compare, "sweep": sweep}
 
 
 def main() -> None:
     """Carry out a study, and say how many steps it took."""
-    folder = Path(sys.argv[2]).resolve()
-    steps = Steps(folder, int(sys.argv[3]) if len(sys.argv) > 3 else None)
+    kind, path, step, scheduler = sys.argv[1:]
+    folder = Path(path).resolve()
+    steps = None
+    if step != "-":
+        store.GroupCommit = Lockstep
+        steps = Steps(folder, int(step))
     say(begin=True)
-    KINDS[sys.argv[1]](folder)
-    say(steps=steps.count)
+    KINDS[kind](folder, None if scheduler == "-" else scheduler)
+    if steps is not None:
+        say(steps=steps.count)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Studies that are killed: they end with the bytes of an undisturbed one and leave nothing behind.
 
-`make studies` kills 300 times; the table of `docs/kills.md` is what it prints.
+`make studies` kills at 300 instants and before each step of the file system; the table of
+`docs/kills.md` is what it prints.
 """
 
 import json
@@ -22,9 +23,15 @@ import pytest
 
 PROGRAM = Path(__file__).with_name("kill_program.py")
 MARK = "LODBENCH_KILL_STUDY"
-WHOLE, REDUCED = 50, 2  # kills of each kind
+WHOLE, REDUCED = 50, 2  # kills of each kind at an instant
+EVERY = 48  # of the steps of the file system, the one that is killed in the reduced form
+NEVER = -1  # a step that no study takes
+PARTS = 4  # in which the steps are divided, to be killed side by side
 ENDS_S = 5.0  # in which the processes of a study that was killed have to be gone
 PATIENCE_S = 120.0
+
+NAMES = {"compare": "comparison", "sweep": "sweep"}
+"""Of the studies, in the table."""
 
 Lines = list[dict[str, Any]]
 
@@ -35,13 +42,15 @@ class Started:
     Its processes are found by a word in their environment, which what they fork has too.
     """
 
-    def __init__(self, kind: str, folder: Path, step: int | None = None) -> None:
+    def __init__(
+        self, kind: str, folder: Path, step: int | None = None, scheduler: str = "-"
+    ) -> None:
         self._mark = f"{MARK}={uuid.uuid4().hex}"
         name, _, value = self._mark.partition("=")
         scratch = folder.with_name("scratch")
         for path in (folder, scratch):
             path.mkdir(exist_ok=True)
-        arguments = [kind, str(folder), *([] if step is None else [str(step)])]
+        arguments = [kind, str(folder), "-" if step is None else str(step), scheduler]
         self.began_s = time.monotonic()
         self.struck = False  # one of its other processes was killed
         self.process = subprocess.Popen(
@@ -81,11 +90,10 @@ def processes_of(mark: str) -> Iterator[int]:
 
 @dataclass(frozen=True)
 class Undisturbed:
-    """A study that nobody killed: its files, how long it took, and how many steps."""
+    """A study that nobody killed: its files, and how long it took."""
 
     files: dict[str, bytes]
     took_s: float
-    steps: int
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
@@ -102,10 +110,20 @@ def undisturbed(kind: str) -> Undisturbed:
     """Carry out a study without disturbing it."""
     with TemporaryDirectory() as place:
         started = Started(kind, Path(place) / "study")
-        code, lines = started.end()
+        code, _ = started.end()
         took_s = time.monotonic() - started.began_s
         assert code == 0
-        return Undisturbed(files_of(Path(place) / "study"), took_s, lines[-1]["steps"])
+        return Undisturbed(files_of(Path(place) / "study"), took_s)
+
+
+@cache
+def count_steps(kind: str) -> int:
+    """Return how many steps of the file system a study takes that nobody disturbs."""
+    with TemporaryDirectory() as place:
+        code, lines = Started(kind, Path(place) / "study", NEVER).end()
+        assert code == 0
+        assert files_of(Path(place) / "study") == undisturbed(kind).files
+        return lines[-1]["steps"]
 
 
 def kill_parent(kind: str, folder: Path, random: Random) -> Started:
@@ -114,11 +132,6 @@ def kill_parent(kind: str, folder: Path, random: Random) -> Started:
     time.sleep(random.uniform(0.0, undisturbed(kind).took_s))
     started.process.kill()
     return started
-
-
-def kill_at_step(kind: str, folder: Path, random: Random) -> Started:
-    """Let the study kill itself before a random step of the file system."""
-    return Started(kind, folder, random.randrange(undisturbed(kind).steps))
 
 
 def kill_worker(kind: str, folder: Path, random: Random) -> Started:
@@ -135,11 +148,13 @@ def kill_worker(kind: str, folder: Path, random: Random) -> Started:
     return started
 
 
-KILLS: dict[str, Callable[[str, Path, Random], Started]] = {
-    "parent": kill_parent,
-    "step": kill_at_step,
-    "worker": kill_worker,
+Kill = Callable[[str, Path, Random], Started]
+
+KILLS: dict[str, Kill] = {
+    "the study, at an instant": kill_parent,
+    "one of its processes, at an instant": kill_worker,
 }
+"""By what is killed and when, in the words of the table."""
 
 
 @dataclass
@@ -149,6 +164,11 @@ class Tally:
     kills: int = 0
     repeated: int = 0  # runs that were carried out again
     lost: int = 0  # of these, runs that had been called done
+
+    def row(self, kind: str, victim: str) -> str:
+        """Return a row of the table; whatever its zeros stand for would have failed before."""
+        cells = (NAMES[kind], victim, self.kills, self.repeated, self.lost, 0, 0)
+        return f"| {' | '.join(map(str, cells))} |"
 
 
 def count_results(lines: Lines) -> int:
@@ -161,10 +181,11 @@ def most(lines: Lines, key: str) -> int:
     return max((line.get(key, 0) for line in lines), default=0)
 
 
-def disturb(kind: str, victim: str, random: Random, place: Path, tally: Tally) -> None:
+def disturb(kind: str, kill: Kill, random: Random, place: Path, tally: Tally) -> None:
     """Kill a study, and have it go on, until it is done; then look at what is there."""
+    place.mkdir()
     folder = place / "study"
-    started = KILLS[victim](kind, folder, random)
+    started = kill(kind, folder, random)
     code, lines = started.end()
     tally.kills += started.struck
     total, results = most(lines, "of"), count_results(lines)
@@ -173,7 +194,8 @@ def disturb(kind: str, victim: str, random: Random, place: Path, tally: Tally) -
         tally.kills += 1
         done = most(lines, "done")
         again = random.random() < 0.2  # it is killed once more
-        started = kill_at_step(kind, folder, random) if again else Started(kind, folder)
+        step = random.randrange(count_steps(kind)) if again else None
+        started = Started(kind, folder, step)
         code, lines = started.end()
         total = max(total, most(lines, "of"))
         results += count_results(lines)
@@ -183,11 +205,15 @@ def disturb(kind: str, victim: str, random: Random, place: Path, tally: Tally) -
     assert not list((place / "scratch").iterdir())
 
 
-@pytest.mark.slow
-@pytest.mark.study
-@pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.study,
+    pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc"),
+]
+
+
 @pytest.mark.parametrize("victim", KILLS)
-@pytest.mark.parametrize("kind", ["compare", "sweep"])
+@pytest.mark.parametrize("kind", NAMES)
 def test_a_killed_study_ends_as_one_that_was_not(
     kind: str, victim: str, tmp_path: Path, *, full_studies: bool
 ) -> None:
@@ -196,9 +222,115 @@ def test_a_killed_study_ends_as_one_that_was_not(
     kills = WHOLE if full_studies else REDUCED
     seed = 0
     while tally.kills < kills:
-        place = tmp_path / str(seed)
-        place.mkdir()
-        disturb(kind, victim, Random(f"{kind} {victim} {seed}"), place, tally)
+        random = Random(f"{kind} {victim} {seed}")
+        disturb(kind, KILLS[victim], random, tmp_path / str(seed), tally)
         seed += 1
     assert tally.lost == 0
-    print(f"| {kind} | {victim} | {tally.kills} | {tally.repeated} | 0 | 0 | 0 |")
+    print(tally.row(kind, victim))
+
+
+@pytest.mark.parametrize("part", range(PARTS))
+@pytest.mark.parametrize("kind", NAMES)
+def test_a_study_may_be_killed_before_each_step_of_the_file_system(
+    kind: str, part: int, tmp_path: Path, *, full_studies: bool
+) -> None:
+    """Each step that an undisturbed study takes, in turn; in the reduced form, each 48th."""
+    tally = Tally()
+    every = 1 if full_studies else EVERY
+    steps = range(part * every, count_steps(kind), PARTS * every)
+    for step in steps:
+
+        def kill(kind: str, folder: Path, _: Random, step: int = step) -> Started:
+            return Started(kind, folder, step)
+
+        before = tally.kills
+        disturb(kind, kill, Random(f"{kind} {step}"), tmp_path / str(step), tally)
+        assert tally.kills > before, f"step {step} was not taken"
+    assert tally.lost == 0
+    print(tally.row(kind, f"the study, before each step, part {part + 1} of {PARTS}"))
+
+
+class Spread:
+    """Two Dask workers that are started again when they are killed, and what they have started.
+
+    Attributes
+    ----------
+    address : str
+        Of the scheduler.
+    """
+
+    def __init__(self, cluster: Any, mark: str) -> None:
+        self._cluster, self._mark = cluster, mark
+        self.address: str = cluster.scheduler_address
+
+    def pids(self) -> list[int]:
+        """Return the processes of the Dask workers that are there."""
+        return [nanny.pid for nanny in self._cluster.workers.values() if nanny.pid]
+
+    def wait(self) -> None:
+        """Return when both workers are there, and no process of a policy is."""
+        until = time.monotonic() + PATIENCE_S
+        while (state := self._state()) != (2, 2, []):
+            assert time.monotonic() < until, f"workers known, their processes, policies': {state}"
+            time.sleep(0.05)
+
+    def _state(self) -> tuple[int, int, list[int]]:
+        return len(self._cluster.scheduler.workers), len(self.pids()), self.policies()
+
+    def policies(self) -> list[int]:
+        """Return processes that a fork server has started; itself it is a Dask worker's child."""
+        workers, found = self.pids(), list[int]()
+        for pid in processes_of(self._mark):
+            try:
+                forked = b"fork_server" in Path(f"/proc/{pid}/cmdline").read_bytes()
+                stat = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+            except OSError:
+                continue
+            if forked and int(stat[1]) not in workers:
+                found.append(pid)
+        return found
+
+
+@pytest.fixture(scope="module")
+def spread(start_cluster: Callable[..., Any]) -> Iterator[Spread]:
+    """Yield a cluster of two workers whose processes have a mark."""
+    mark = f"{MARK}={uuid.uuid4().hex}"
+    name, _, value = mark.partition("=")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(name, value)
+        with start_cluster() as cluster:
+            yield Spread(cluster, mark)
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_a_study_outlives_the_dask_workers_that_are_killed(
+    kind: str, tmp_path: Path, spread: Spread, *, full_studies: bool
+) -> None:
+    """One of two, at a random instant: the study ends by itself, with the bytes of one machine.
+
+    All its results are there though their worker is not, no process of a policy is left on the
+    cluster, and the worker is started again.
+    """
+    tally, took_s, seed = Tally(), undisturbed(kind).took_s, 0
+    while tally.kills < (WHOLE if full_studies else REDUCED):
+        spread.wait()
+        random, place = Random(f"{kind} dask {seed}"), tmp_path / str(seed)
+        place.mkdir()
+        started = Started(kind, place / "study", scheduler=spread.address)
+        if seed:
+            time.sleep(random.uniform(0.0, took_s))
+            if started.process.poll() is None:
+                os.kill(random.choice(spread.pids()), signal.SIGKILL)
+                tally.kills += 1
+        else:  # undisturbed: what is looked for afterwards is seen while it is there
+            while not spread.policies():
+                assert started.process.poll() is None
+        code, lines = started.end()
+        took_s = time.monotonic() - started.began_s
+        assert code == 0
+        assert count_results(lines) == most(lines, "of")  # each comes once
+        assert files_of(place / "study") == undisturbed(kind).files
+        assert not list((place / "scratch").iterdir())
+        seed += 1
+    spread.wait()
+    print(tally.row(kind, "a Dask worker, at an instant"))

@@ -1,0 +1,76 @@
+"""The leaderboard of a suite as a table for a terminal, with what became of each cell."""
+
+from typing import TYPE_CHECKING
+
+from ..study.suite.suite_record import CellResult, Leader, Standing, SuiteResult
+from .console_tables import plain_table
+from .values import ABSENT, format_value
+
+if TYPE_CHECKING:  # rich is loaded by the command that prints
+    from rich.console import Console
+    from rich.table import Table
+
+
+def print_suite(result: SuiteResult, console: "Console") -> None:
+    """Print the leaderboard, what its columns are, and why policies have no rank."""
+    console.print(
+        f"suite {result.suite}, version {result.suite_version} ({result.suite_hash[:8]}): "
+        f"{len(result.cells)} comparisons",
+        style="bold",
+    )
+    console.print("", _leaderboard(result))
+    console.print(
+        "kept: budgets kept with probability .9 or more on such paths; mean rank over these. A "
+        "column a comparison: the rank there, or the p99 of work over the budget of who misses it.",
+        style="dim",
+    )
+    for number, cell in enumerate(result.cells, start=1):
+        console.print(f"{number}: {cell.name}", style="dim", markup=False)
+        for warning in cell.warnings:
+            console.print(f"   warning: {warning}", style="yellow", markup=False)
+    for label, reason in _reasons(result):
+        console.print(f"{label} failed: {reason}", style="bold red", markup=False, soft_wrap=True)
+
+
+def _leaderboard(result: SuiteResult) -> "Table":
+    from rich.text import Text
+
+    table = plain_table()
+    table.add_column("place", justify="right", no_wrap=True)
+    table.add_column("policy", overflow="fold")
+    for name in ("kept", "mean rank", *map(str, range(1, 1 + len(result.cells)))):
+        table.add_column(name, justify="right", no_wrap=True)
+    for leader in result.leaderboard:
+        cells = (_in_cell(cell, leader.label) for cell in result.cells)
+        kept = f"{leader.kept}/{len(result.cells)}"
+        style = "bold green" if leader.submitted else ""
+        row = (str(leader.place), Text(leader.label), kept, _mean(leader), *cells)
+        table.add_row(*row, style=style)
+    return table
+
+
+def _mean(leader: Leader) -> str:
+    return ABSENT if leader.mean_rank is None else f"{leader.mean_rank:.1f}"
+
+
+def _in_cell(cell: CellResult, label: str) -> str:
+    """Return what became of a policy in a cell, in a word."""
+    standing = next(one for one in cell.standings if one.label == label)
+    if standing.status != "ok":
+        return "failed" if standing.status == "failed" else "n/a"
+    return _missed(standing, cell.budget_ms) if standing.rank is None else str(standing.rank)
+
+
+def _missed(standing: Standing, budget_ms: float) -> str:
+    work_ms = standing.work_ms_p99
+    return ABSENT if work_ms is None else f"×{format_value(work_ms / budget_ms)}"
+
+
+def _reasons(result: SuiteResult) -> list[tuple[str, str]]:
+    """Return the first reason of each policy that failed."""
+    found: dict[str, str] = {}
+    for cell in result.cells:
+        for one in cell.standings:
+            if one.status == "failed":
+                found.setdefault(one.label, f"{cell.name}: {one.reason}")
+    return sorted(found.items())

@@ -1,0 +1,196 @@
+"""Better parameters of a policy: searched on some paths, confirmed on others.
+
+The best of many trials looks better than it is on the paths that chose it.  What is told as gain
+is measured on paths that took no part in the choice, on the same ones with the shipped parameters,
+each side brought to the budget by its knob.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ....base.content_hash import content_hash
+from ....base.errors import InputError, PolicyError, require_whole
+from ....models.machine.hardware import HardwareProfile
+from ....models.scene.scene import Scene
+from ....policies.knob import Knob, declared_knob
+from ....policies.policy_spec import PolicySpec, is_oracle
+from ....policies.registry import policy_text
+from ....sim.replay import ReplayOptions
+from ....traces.cameras.camera_trace import CameraTrace
+from ...verdict.answer import ORDER
+from ...verdict.judged import Judged
+from ...verdict.keeping import p_keeps
+from ...verdict.scores import LEVEL
+from ...verdict.warnings import find_warnings
+from ..compare import CompareSettings, require_paths
+from ..compare_record import make_provenance
+from ..comparison import Sampling
+from ..engine.open_engine import open_engine
+from ..engine.task import Failure
+from ..replays import Bench, Replays
+from ..runs import Progress
+from .confirmation import SEEDS, answer, confirm, find_gains, is_better
+from .drawn_paths import Paths
+from .halving import Tried, halve, refused
+from .space import find_axes, scatter
+from .tuning_record import Side, Trial, Tuning
+
+TRIALS = 24
+"""Choices of parameters that are tried, beside the shipped one."""
+
+
+def tune_policy(
+    spec: PolicySpec,
+    over: Sequence[str],
+    scene: Scene,
+    paths: Paths,
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    settings: CompareSettings | None = None,
+    *,
+    trials: int = TRIALS,
+    progress: Progress | None = None,
+) -> Tuning:
+    """Search parameters of a policy for the verdict's order; return what was found, and its gain.
+
+    Raises `InputError` if a parameter cannot be searched, the policy does not fit the scene, or
+    there are too few paths; `PolicyError` if the policy breaks its contract as shipped.
+
+    Parameters
+    ----------
+    over
+        Parameters, each ``name`` or ``name=low:high``; none for all that have a range.
+    settings
+        Of them `seeds`, `draws` and `as_shipped` do not matter here.
+    """
+    settings = settings or CompareSettings()
+    require_whole(trials, "trials", 1)
+    if is_oracle(spec):
+        raise InputError(f"tune {spec.name}: expected a policy, got an oracle; name another")
+    every = (*paths.judged, *paths.training)
+    require_paths(every, settings.warmup_s)
+    for few in (paths.training, paths.judged):
+        if len(few) < 2:
+            raise InputError(f"paths: expected 2 or more, got {len(few)}; ask for more")
+    knob = declared_knob(spec)
+    axes = find_axes(spec, over, None if knob is None else knob.name)
+    specs = scatter(spec, axes, trials, options.seed)
+    bench = _bench(specs, scene, every, hardware, options, settings)
+    engine = open_engine(
+        bench.inputs,
+        workers=settings.workers,
+        limits=settings.policy_limits,
+        scheduler=settings.scheduler,
+    )
+    training = range(len(paths.judged), len(every))
+    with engine:
+        replays = Replays(bench, engine, progress, limits=settings.policy_limits)
+        reasons = refused(replays, spec.label, training[0], options.seed)
+        tried, best = halve(replays, spec.label, training, settings.margin)
+        _require_scored(replays, spec.label)
+        failures = replays.failures
+        replays.narrow({spec.label, best})
+        judged_names = tuple(path.name for path in paths.judged)
+        verdict, judged = confirm(replays, judged_names, settings.margin)
+        _require_scored(replays, spec.label)
+        failures |= replays.failures
+    sides = {result.label: Side.of(result) for result in verdict.policies if result.label in judged}
+    shipped = sides[spec.label]
+    found = sides.get(best) if best != spec.label else None
+    gain = () if found is None else find_gains(judged[spec.label], judged[best])
+    better = found is not None and is_better(shipped, found, judged)
+    winner = found if found is not None and better else shipped
+    line = policy_text(spec.name, winner.params)
+    return Tuning(
+        policy=spec.label,
+        scene=scene.name,
+        hardware=hardware.name,
+        budget_ms=options.budget_ms,
+        miss=settings.miss,
+        visible_px=options.visible_px,
+        margin=settings.margin,
+        seed=options.seed,
+        over=axes,
+        trials=tuple(_trial(one, tried, reasons, failures, options.budget_ms) for one in specs),
+        training=tuple(path.name for path in paths.training),
+        judged=judged_names,
+        sampling=Sampling(
+            LEVEL, SEEDS, 0, "such paths", "knobs were tuned on other paths than they are judged on"
+        ),
+        warnings=find_warnings(
+            judged_names,
+            [seeds[0].footing for seeds in judged[spec.label].runs],
+            options.budget_ms,
+            [shipped.rank is not None],
+        ),
+        shipped=shipped,
+        found=found,
+        gain=gain,
+        better=better,
+        answer=answer(shipped, found, gain, better=better),
+        policy_line=line,
+        provenance=make_provenance(bench, settings.command),
+    )
+
+
+def _bench(
+    specs: Sequence[PolicySpec],
+    scene: Scene,
+    paths: Sequence[CameraTrace],
+    hardware: HardwareProfile,
+    options: ReplayOptions,
+    settings: CompareSettings,
+) -> Bench:
+    """Return what all replays share; a knob may depend on the parameters that are tried."""
+    hashes = tuple(map(content_hash, paths))
+    scene_hash, hardware_hash = content_hash(scene), content_hash(hardware)
+    knobs: dict[str, Knob] = {}
+    for spec in specs:
+        if (knob := declared_knob(spec)) is not None:
+            knobs[spec.label] = knob
+    return Bench(
+        inputs={scene_hash: scene, hardware_hash: hardware} | dict(zip(hashes, paths, strict=True)),
+        scene=scene_hash,
+        hardware=hardware_hash,
+        paths=hashes,
+        specs={spec.label: spec for spec in specs},
+        knobs=knobs,
+        options=options,
+        warmup_s=settings.warmup_s,
+        miss=settings.miss,
+    )
+
+
+def _require_scored(replays: Replays, label: str) -> None:
+    """Raise what became of the policy as shipped, if that is no score."""
+    failure = replays.failures.get(label)
+    if failure is None:
+        return
+    if failure.kind == "not-applicable":
+        raise InputError(f"policy {label}: {failure.reason}; name another policy or scene")
+    raise PolicyError(label, failure.frame, failure.reason)
+
+
+def _trial(
+    spec: PolicySpec,
+    tried: Mapping[str, Tried],
+    reasons: Mapping[str, str],
+    failures: Mapping[str, Failure],
+    budget_ms: float,
+) -> Trial:
+    """Return the record of a trial."""
+    label = spec.label
+    if label in reasons:
+        return Trial(label, spec.params, "refused", reasons[label])
+    if (failure := failures.get(label)) is not None:
+        return Trial(label, spec.params, failure.kind, str(failure))
+    judged, paths = tried[label].judged, tried[label].paths
+    error, pops, work = (_mean(judged, name) for name in ORDER)
+    keeps = p_keeps(judged.point_ms, budget_ms)
+    return Trial(label, spec.params, "ok", None, paths, keeps, judged.knob, error, pops, work)
+
+
+def _mean(judged: Judged, metric: str) -> float | None:
+    values = judged.values(metric)
+    return None if np.isnan(values).all() else float(np.nanmean(values))

@@ -1,0 +1,1 @@
+"""A fixed, versioned study, and its leaderboard."""
