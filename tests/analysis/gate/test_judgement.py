@@ -200,6 +200,18 @@ def test_paths_without_a_value_are_left_out(judge: Judge, make_measured: Make) -
     assert "nothing of the kind happened" in describe(verdict)
 
 
+def test_a_path_with_a_value_on_one_side_is_no_pair(judge: Judge, make_measured: Make) -> None:
+    """A step that settles in 50 ms now and never came before, or the reverse, changes nothing."""
+    metric = "settle_ms"
+    one = make_measured([[10.0, 10.1], [None, None]], metric)
+    both = make_measured([[10.0, 10.1], [50.0, 51.0]], metric)
+    for now, before in ((both, one), (one, both)):
+        verdict = judge(f'max_increase = "5%", {THIS}', now, before, metric)
+        assert verdict.outcome == "passes"
+        assert verdict.change is not None
+        assert verdict.change.baseline == pytest.approx(10.05)
+
+
 def test_shares_of_a_negative_metric_are_of_its_size(judge: Judge, make_measured: Make) -> None:
     """From -10 to -9.6 is an increase by 4 %, which 5 % allow and 2 % do not."""
     metric = "prediction_error_pct_mean"
