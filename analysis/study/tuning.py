@@ -83,7 +83,7 @@ def tune(replays: Replays, rotation: Rotation, budget_ms: float, seed: int) -> d
     """
     knobs = replays.bench.knobs
     values = {label: list(knob.values(FIRST_VALUES)) for label, knob in knobs.items()}
-    asked = values
+    asked: dict[str, list[float]] = values
     while asked:
         replays.make(
             Place(label, path, seed, value)
