@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import FloatArray
 
 
 def time_mean(values: FloatArray, weight_ms: FloatArray) -> float | None:
@@ -34,8 +34,8 @@ def time_quantile(values: FloatArray, weight_ms: FloatArray, q: float) -> float 
     if not known.any():
         return None
     values, weight_ms = values[known], weight_ms[known]
-    order: IntArray = np.argsort(values, kind="stable")
+    order = np.argsort(values, kind="stable")
     reached: FloatArray = np.cumsum(weight_ms[order])
     # A share that is reached exactly, as half of two equal frames, must not be missed by rounding.
     at = int(np.searchsorted(reached, q * reached[-1] * (1.0 - 1e-12)))
-    return float(values[order[at]])
+    return float(values[order][at])
