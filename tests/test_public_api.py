@@ -213,7 +213,7 @@ def test_traces_are_one_or_several(tmp_path: Path) -> None:
     """Kinds, traces and names stand beside each other; what is written is what is returned."""
     out = tmp_path / "run"
     walked = lodbench.load_trace("tour", "plaza")
-    given = SHORT | {"traces": ["walk", walked], "paths": 2}
+    given: dict[str, Any] = SHORT | {"traces": ["walk", walked], "paths": 2}
     compared = lodbench.compare("full", out=out, **given)
     assert len(compared.paths) == 3
     assert compared.paths[-1] == "tour 0:1.5 s"

@@ -38,4 +38,4 @@ def time_quantile(values: FloatArray, weight_ms: FloatArray, q: float) -> float 
     reached: FloatArray = np.cumsum(weight_ms[order])
     # A share that is reached exactly, as half of two equal frames, must not be missed by rounding.
     at = int(np.searchsorted(reached, q * reached[-1] * (1.0 - 1e-12)))
-    return float(values[order[at]])
+    return float(values[order][at])

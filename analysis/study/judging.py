@@ -213,5 +213,6 @@ def _as_given(spec: PolicySpec) -> KnobSetting | None:
         return None
     default = next(each.default for each in parameters(spec.cls) if each.name == knob.name)
     value = spec.params.get(knob.name, default)
-    known = isinstance(value, int | float) and not isinstance(value, bool)
-    return KnobSetting(knob.name, float(value), tuned=False) if known else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return KnobSetting(knob.name, float(value), tuned=False)

@@ -3,7 +3,7 @@
 import inspect
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 
 def command_of(
@@ -29,6 +29,7 @@ def command_of(
         if isinstance(value, bool):
             words.append(option)
             continue
-        for item in value if isinstance(value, list) else [value]:
+        items = cast("list[object]", value) if isinstance(value, list) else [value]
+        for item in items:
             words += [option, str(item)]
     return shlex.join(words)

@@ -81,9 +81,9 @@ def test_a_comparison_is_the_same_bytes_on_a_cluster(
     command: Command, scheduler: str, tmp_path: Path
 ) -> None:
     """Files and JSON of `compare`, among them frame logs, draws, and a policy that does not fit."""
-    line = ["compare", "--scene", "plaza", "--trace", "tour", "--seconds", "0:2", "--json"]
-    line += ["--draws", "3"]
-    for policy in ("static-screen", "feedback:gain=0.2", "hlod-hysteresis", "gobbetti"):
+    line = ["compare", "--scene", "plaza", "--trace", "tour", "--seconds", "0:0.6", "--json"]
+    line += ["--draws", "3", "--warmup", "0.2"]
+    for policy in ("static-screen", "feedback:gain=0.2", "hlod-hysteresis", "gobbetti:aim=0.9"):
         line += ["--policy", policy]
     here, there = tmp_path / "here", tmp_path / "there"
     alone = command(*line, "--workers", "1", "--out", str(here))

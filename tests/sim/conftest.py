@@ -69,7 +69,8 @@ def _run_frames(
     cpu_ns: Sequence[int], gpu_ns: Sequence[int], frames_in_flight: int = 2, **display: Any
 ) -> Pipeline:
     # At once, unless a test is about the screen: no refresh then rounds what it works out.
-    screen = Display(**{"mode": "immediate"} | display)
+    given: dict[str, Any] = {"mode": "immediate"} | display
+    screen = Display(**given)
     pipeline = Pipeline(_Script(cpu_ns, gpu_ns), screen, frames_in_flight)
     pipeline.run()
     return pipeline

@@ -15,8 +15,10 @@ DEEDS: Any = load_file(FILE, "policies").DEEDS
 NAMES = [
     pytest.param(name, marks=() if deed.quick else pytest.mark.slow) for name, deed in DEEDS.items()
 ]
-COMPARE = ["compare", "--scene", "plaza", "--trace", "walk", "--seconds", "0:2", "--json"]
-COMPARE += ["--paths", "1", "--seeds", "1"]
+COMPARE = [
+    *("compare", "--scene", "plaza", "--trace", "walk", "--seconds", "0:2", "--json"),
+    *("--paths", "1", "--seeds", "1"),
+]
 OTHERS = ("full", "static-screen:bias=1")
 
 

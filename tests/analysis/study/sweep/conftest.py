@@ -18,7 +18,7 @@ MakeUp = Callable[[Study, Callable[[dict[str, object]], Outcome]], Path]
 
 
 @pytest.fixture
-def make_up(tmp_path: Path) -> MakeUp:
+def make_up(tmp_path: Path, made_scored: Callable[..., Scored]) -> MakeUp:
     """Return what writes a folder of results: metrics or a failure by the cells of each run."""
 
     def write(study: Study, outcome_of: Callable[[dict[str, object]], Outcome]) -> Path:
@@ -30,7 +30,7 @@ def make_up(tmp_path: Path) -> MakeUp:
             found = outcome_of(dict(case.cells))
             if not isinstance(found, Failure):
                 values = dict.fromkeys((metric.id for metric in METRICS), None) | dict(found)
-                found = Scored(None, values, (), 60)
+                found = made_scored(**values)
             entries.append(Entry(at, found))
         rows = encode(runs, entries)
         half = len(entries) // 2

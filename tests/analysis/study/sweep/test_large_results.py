@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,7 @@ PARTS_OF = 100
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, made_scored: Callable[..., Scored]) -> Path:
     """Return 100,000 runs: five policies, ten budgets, two paths and 1,000 seeds."""
     folder = tmp_path_factory.mktemp("large")
     (folder / PARTS).mkdir()
@@ -39,7 +40,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for number in range(PARTS_OF):
         values = rng.random((len(runs), len(METRICS)))
         entries = [
-            Entry(at, Scored(None, dict(zip((m.id for m in METRICS), row, strict=True)), (), 60))
+            Entry(at, made_scored(**dict(zip((m.id for m in METRICS), row, strict=True))))
             for at, row in enumerate(values.tolist())
         ]
         rows = encode(runs, entries)
