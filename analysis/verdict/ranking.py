@@ -1,13 +1,17 @@
 """Policies in order, as far as their difference is shown.
 
-Everybody starts in one group.  Its leader has the best mean of the first metric; who is not shown
-to be worse than the leader by more than the margin stays with it, the rest are split in the same
-way.  Each group of equals is then split by the next metric, and so on: a group that is left shares
-a rank.  Equality is with the leader alone: two members of a group may differ from each other.
+Everybody starts in one group.  The best mean of the first metric leads; who is not shown to be
+worse than that by more than the margin stays with it, the rest are split in the same way.  Each
+group of equals is then split by the next metric, and so on: a group that is left shares a rank.
+Equality is with who leads: two members of a group may differ from each other.
 
 Policies that no metric tells apart go together, wherever one of them goes.  Otherwise two that
 decide alike would come to stand on either side of a border by chance: a quarter of the time, where
 it runs close by them.
+
+Not shown to be worse is little praise from few paths.  So a group is named after the one that is
+first by the means as they are, the margin applied, and not after who has the least of the last
+metric: that one may be far off in the first, and noisy.
 """
 
 from collections.abc import Sequence
@@ -18,11 +22,15 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import stdtr
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from .criterion import Criterion
+from .criterion import Criterion, beyond_margin
 
 ALPHA = 0.05
 """Chance that a policy just within the margin is shown to be beyond it, in one metric; and that
-two equal policies are told apart, in all metrics together."""
+two equal policies on ten paths are told apart, in all metrics together."""
+
+_APART = 3.0
+"""Standard errors by which two that are told apart differ: of ten paths what Student's t asks at
+`ALPHA` over three metrics.  Of four it would ask five, and chain together all that is noisy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +44,8 @@ class RankGroup:
     leader : str
         The policy with which all members are equal.
     members : tuple of str
-        Labels, the leader first, then by the mean of the metric that was judged last.
+        Labels in the order of their means: first who is within the margin of the best in each
+        metric and has the least of the last; then who would be, were those before not there.
     behind_by : str or None
         The metric that put the group behind the one before; None for the first.
     """
@@ -66,17 +75,18 @@ def ranking(
     order = sorted(range(len(labels)), key=lambda i: labels[i])
     sorted_labels = [labels[i] for i in order]
     turned = [replace(of, values=of.turned()[order], better="lower") for of in criteria]
-    groups = _split(list(range(len(order))), turned, _kin(turned, alpha), alpha)
-    return tuple(
-        RankGroup(rank, sorted_labels[members[0]], tuple(sorted_labels[i] for i in members), by)
-        for rank, (members, by) in enumerate(groups, start=1)
-    )
+    groups = _split(list(range(len(order))), turned, _kin(turned), alpha)
+    found: list[RankGroup] = []
+    for rank, (members, by) in enumerate(groups, start=1):
+        names = tuple(sorted_labels[i] for i in _by_means(members, turned))
+        found.append(RankGroup(rank, names[0], names, by))
+    return tuple(found)
 
 
 def _split(
     policies: list[int], criteria: Sequence[Criterion], kin: IntArray, alpha: float
 ) -> list[tuple[list[int], str | None]]:
-    """Return groups of policies, leader first, with the metric that put each behind the last."""
+    """Return groups of policies, with the metric that put each behind the last."""
     if not criteria or len(policies) == 1:
         return [(policies, None)]
     criterion, *others = criteria
@@ -99,19 +109,32 @@ def _where(policies: list[int], chosen: BoolArray) -> list[int]:
     return [i for i, is_chosen in zip(policies, chosen, strict=True) if is_chosen]
 
 
-def _kin(criteria: Sequence[Criterion], alpha: float) -> IntArray:
+def _by_means(left: list[int], criteria: Sequence[Criterion]) -> list[int]:
+    """Return policies in the order of their means, where a margin of the best decides nothing."""
+    ordered: list[int] = []
+    while left:
+        near = left
+        for criterion in criteria:
+            mean = criterion.values[near].mean(axis=1)
+            near = _where(near, beyond_margin(mean, mean.min(), criterion) <= 0)
+        last = criteria[-1].values
+        ordered.append(min(near, key=lambda i: (float(last[i].mean()), i)))
+        left = [i for i in left if i != ordered[-1]]
+    return ordered
+
+
+def _kin(criteria: Sequence[Criterion]) -> IntArray:
     """Return a number for each policy, (P,), that is equal for those that go together.
 
-    Two are told apart by a two-sided paired t in any metric, without margin, at `alpha` over all
-    metrics (Bonferroni).
+    Two are told apart by their paired difference in any metric, without margin.
     """
     policies = len(criteria[0].values)
     apart = np.zeros((policies, policies), dtype=np.bool_)
     for criterion in criteria:
         for i, values in enumerate(criterion.values):
-            worse = _p_not_positive(criterion.values - values) < alpha / len(criteria) / 2
-            apart[:, i] |= worse
-            apart[i] |= worse
+            far = _is_far(criterion.values - values)
+            apart[:, i] |= far
+            apart[i] |= far
     return connected_components(~apart, directed=False)[1]
 
 
@@ -127,6 +150,15 @@ def _shown_worse(values: FloatArray, criterion: Criterion, alpha: float) -> Bool
         shown &= _p_not_positive(values - leader - margin) < alpha
     shown[0] = False
     return shown
+
+
+def _is_far(difference: FloatArray) -> BoolArray:
+    """Return of which differences, (m, n), the mean is `_APART` standard errors off 0, (m,)."""
+    n = difference.shape[1]
+    if n < 2:
+        return np.zeros(len(difference), dtype=np.bool_)
+    error = difference.std(axis=1, ddof=1) / np.sqrt(n)
+    return np.abs(difference.mean(axis=1)) > _APART * error
 
 
 def _p_not_positive(beyond: FloatArray) -> FloatArray:
