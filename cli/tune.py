@@ -1,6 +1,7 @@
 """`lodbench tune`: search better parameters of a policy, and confirm them on other paths."""
 
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 from typer import Argument, Option
@@ -75,7 +76,7 @@ def tune(
     from ..policies.registry import parse_policy
     from ..sim.replay import ReplayOptions
 
-    told = command_of(tune, locals(), _NO_MATTER).replace("tune", f"tune {policy}", 1)
+    told = command_of(tune, locals(), _NO_MATTER).replace("tune", f"tune {quote(policy)}", 1)
     limits = make_limits(policy_timeout, policy_memory)
     if out is not None:
         require_file_writable(out)

@@ -6,6 +6,7 @@ each side brought to the budget by its knob.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -66,42 +67,27 @@ def tune_policy(
     """
     settings = settings or CompareSettings()
     require_whole(trials, "trials", 1)
-    if is_oracle(spec):
-        raise InputError(f"tune {spec.name}: expected a policy, got an oracle; name another")
-    every = (*paths.judged, *paths.training)
-    require_paths(every, settings.warmup_s)
-    for few in (paths.training, paths.judged):
-        if len(few) < 2:
-            raise InputError(f"paths: expected 2 or more, got {len(few)}; ask for more")
+    _require_tunable(spec, paths, settings)
     knob = declared_knob(spec)
     axes = find_axes(spec, over, None if knob is None else knob.name)
     specs = scatter(spec, axes, trials, options.seed)
-    bench = _bench(specs, scene, every, hardware, options, settings)
+    bench = _bench(specs, scene, (*paths.judged, *paths.training), hardware, options, settings)
     engine = open_engine(
         bench.inputs,
         workers=settings.workers,
         limits=settings.policy_limits,
         scheduler=settings.scheduler,
     )
-    training = range(len(paths.judged), len(every))
     with engine:
         replays = Replays(bench, engine, progress, limits=settings.policy_limits)
-        reasons = refused(replays, spec.label, training[0], options.seed)
-        tried, best = halve(replays, spec.label, training, settings.margin)
-        _require_scored(replays, spec.label)
-        failures = replays.failures
-        replays.narrow({spec.label, best})
-        judged_names = tuple(path.name for path in paths.judged)
-        verdict, judged = confirm(replays, judged_names, settings.margin)
-        _require_scored(replays, spec.label)
-        failures |= replays.failures
-    sides = {result.label: Side.of(result) for result in verdict.policies if result.label in judged}
-    shipped = sides[spec.label]
-    found = sides.get(best) if best != spec.label else None
-    gain = () if found is None else find_gains(judged[spec.label], judged[best])
+        searched = _search(replays, spec.label, paths, settings.margin)
+    shipped, found = searched.sides[spec.label], searched.sides.get(searched.best)
+    found = None if searched.best == spec.label else found
+    judged = searched.judged
+    gain = () if found is None else find_gains(judged[spec.label], judged[found.label])
     better = found is not None and is_better(shipped, found, judged)
     winner = found if found is not None and better else shipped
-    line = policy_text(spec.name, winner.params)
+    judged_names = tuple(path.name for path in paths.judged)
     return Tuning(
         policy=spec.label,
         scene=scene.name,
@@ -112,7 +98,7 @@ def tune_policy(
         margin=settings.margin,
         seed=options.seed,
         over=axes,
-        trials=tuple(_trial(one, tried, reasons, failures, options.budget_ms) for one in specs),
+        trials=tuple(_trial(one, searched, options.budget_ms) for one in specs),
         training=tuple(path.name for path in paths.training),
         judged=judged_names,
         sampling=Sampling(
@@ -129,9 +115,60 @@ def tune_policy(
         gain=gain,
         better=better,
         answer=answer(shipped, found, gain, better=better),
-        policy_line=line,
+        policy_line=policy_text(spec.name, winner.params),
         provenance=make_provenance(bench, settings.command),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Searched:
+    """What became of all trials.
+
+    Attributes
+    ----------
+    best : str
+        Label of the best on training paths.
+    tried : dict of str to Tried
+        By label, of those with scores.
+    refused, failures : dict
+        By label, of the others.
+    sides : dict of str to Side
+        The policy as shipped and the best, on the paths that judge, unless it failed there.
+    judged : dict of str to Judged
+        Their runs.
+    """
+
+    best: str
+    tried: Mapping[str, Tried]
+    refused: Mapping[str, str]
+    failures: Mapping[str, Failure]
+    sides: Mapping[str, Side]
+    judged: Mapping[str, Judged]
+
+
+def _search(replays: Replays, shipped: str, paths: Paths, margin: float) -> _Searched:
+    """Search on the training paths, which stand behind those that judge, and judge the best."""
+    count = len(paths.judged)
+    training = range(count, count + len(paths.training))
+    reasons = refused(replays, shipped, training[0], replays.bench.options.seed)
+    tried, best = halve(replays, shipped, training, margin)
+    _require_scored(replays, shipped)
+    failures = replays.failures
+    replays.narrow({shipped, best})
+    verdict, judged = confirm(replays, [path.name for path in paths.judged], margin)
+    _require_scored(replays, shipped)
+    sides = {one.label: Side.of(one) for one in verdict.policies if one.label in judged}
+    return _Searched(best, tried, reasons, failures | replays.failures, sides, judged)
+
+
+def _require_tunable(spec: PolicySpec, paths: Paths, settings: CompareSettings) -> None:
+    """Raise `InputError` if the policy is an oracle, or the paths are too few or too short."""
+    if is_oracle(spec):
+        raise InputError(f"tune {spec.name}: expected a policy, got an oracle; name another")
+    require_paths((*paths.judged, *paths.training), settings.warmup_s)
+    for few in (paths.training, paths.judged):
+        if len(few) < 2:
+            raise InputError(f"paths: expected 2 or more, got {len(few)}; ask for more")
 
 
 def _bench(
@@ -172,23 +209,26 @@ def _require_scored(replays: Replays, label: str) -> None:
     raise PolicyError(label, failure.frame, failure.reason)
 
 
-def _trial(
-    spec: PolicySpec,
-    tried: Mapping[str, Tried],
-    reasons: Mapping[str, str],
-    failures: Mapping[str, Failure],
-    budget_ms: float,
-) -> Trial:
+def _trial(spec: PolicySpec, searched: _Searched, budget_ms: float) -> Trial:
     """Return the record of a trial."""
     label = spec.label
-    if label in reasons:
-        return Trial(label, spec.params, "refused", reasons[label])
-    if (failure := failures.get(label)) is not None:
+    if label in searched.refused:
+        return Trial(label, spec.params, "refused", searched.refused[label])
+    if (failure := searched.failures.get(label)) is not None:
         return Trial(label, spec.params, failure.kind, str(failure))
-    judged, paths = tried[label].judged, tried[label].paths
+    judged = searched.tried[label].judged
     error, pops, work = (_mean(judged, name) for name in ORDER)
-    keeps = p_keeps(judged.point_ms, budget_ms)
-    return Trial(label, spec.params, "ok", None, paths, keeps, judged.knob, error, pops, work)
+    return Trial(
+        label=label,
+        params=spec.params,
+        status="ok",
+        paths=searched.tried[label].paths,
+        keeps=p_keeps(judged.point_ms, budget_ms),
+        knob=judged.knob,
+        visible_error_px=error,
+        visible_pops_per_s=pops,
+        work_ms_mean=work,
+    )
 
 
 def _mean(judged: Judged, metric: str) -> float | None:

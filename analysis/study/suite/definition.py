@@ -89,7 +89,7 @@ QUICK = Suite(
     ),
     cells=(
         Cell("district", "trial", "desktop-assumed", 16.0),
-        Cell("plaza", "trial", "llvmpipe", 100.0),
+        Cell("district", "walk", "llvmpipe", 100.0),
         Cell("city", "trial", "desktop-assumed", 8.0),
     ),
     seeds=1,
@@ -129,7 +129,6 @@ STANDARD = Suite(
         Cell("district", "walk", "llvmpipe", 100.0),
         Cell("plaza", "trial", "desktop-assumed", 8.0),
         Cell("plaza", "trial", "llvmpipe", 100.0),
-        Cell("plaza", "fly-over", "llvmpipe", 30.0),
         Cell("city", "trial", "desktop-assumed", 8.0),
         Cell("city", "drive", "desktop-assumed", 8.0),
     ),

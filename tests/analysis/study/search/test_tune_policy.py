@@ -20,6 +20,7 @@ from lodbench.base.errors import InputError, PolicyError
 from lodbench.base.files.strict_json import encode_record
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
+from lodbench.policies.policy_spec import PolicySpec
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
@@ -47,7 +48,8 @@ class MadeEngine:
         """Yield results in the order opposite to that of the tasks."""
         for at in reversed(range(len(tasks))):
             run = tasks[at]
-            knob, ratio = run.policy.params["bias"], float(run.policy.params.get("ratio", 0.5))
+            given = run.policy.params
+            knob, ratio = given.get("bias", math.inf), float(given.get("ratio", 0.5))
             path = self.number[run.trace]
             self.replayed.append((run.policy.label, path))
             if ratio > 0.9:
@@ -185,6 +187,28 @@ def test_who_keeps_the_budget_is_better_than_who_does_not(
     assert found.better
     assert found.shipped.rank is None
     assert "surely keeps the budget" in found.answer
+
+
+def test_without_a_knob_the_parameters_themselves_keep_the_budget(
+    made_scored: Made, search: Callable[..., Tuning], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Work is 40 ms times the ratio: .5 takes 20, and the finest that keeps 16 is below .4."""
+
+    def no_knob(spec: PolicySpec) -> None:
+        return None
+
+    monkeypatch.setattr(module, "declared_knob", no_knob)
+    found = search(
+        MadeEngine(lambda knob, ratio, path: (40.0 * ratio, 9.0 * (1.0 - ratio)), made_scored)
+    )
+    assert found.better
+    assert found.found is not None
+    assert found.found.knob is None
+    ratio = found.found.params["ratio"]
+    assert isinstance(ratio, float)
+    # One of the 16 points is in [.35, .4]; a margin of 10 % of some 5.6 px is .06 of the ratio.
+    assert 0.28 < ratio <= 0.4
+    assert found.policy_line == f"static-screen:ratio={ratio}"
 
 
 def test_trials_that_are_refused_or_fail_are_left_out(
