@@ -229,11 +229,12 @@ def test_traces_are_one_or_several(tmp_path: Path) -> None:
 def test_check_judges_what_the_command_judges() -> None:
     """A class passes a budget it keeps and fails one it cannot, and the table says which."""
     options: dict[str, Any] = {"seconds": (0.0, 1.5), "seeds": 2, "traces": "walk"}
-    kept = lodbench.check(Fine, budget_ms=1e3, **options)
+    coarse = lodbench.check("static-screen:bias=0.005", **options)
     missed = lodbench.check(Fine, budget_ms=1e-3, **options)
-    assert (kept.passed, missed.passed) == (True, False)
+    assert (coarse.passed, missed.passed) == (True, False)
     (row,) = missed.to_table().to_pylist()
-    assert (row["policy"], row["outcome"], row["metric"]) == ("Fine", "fails", "work_ms_p95")
+    assert (row["policy"], row["outcome"], row["metric"]) == ("Fine", "fails", "work_ms_p99")
+    assert (row["population"], row["needed"]) == ("such-paths", None)
     assert repr(missed) == "<CheckReport failed: 0 passes, 1 fails, 0 undecided>"
     assert "<td>fails</td>" in html_of(missed)
 

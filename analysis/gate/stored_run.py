@@ -52,7 +52,7 @@ def _judged(table: "pa.Table") -> Runs:
 
 
 def _measured(policy: PolicyResult, comparison: Comparison, runs: Runs) -> MeasuredPolicy:
-    order = [path.name for path in comparison.paths]
+    order = list(comparison.paths)
     mine = sorted(runs.get(policy.label, {}).items(), key=lambda item: order.index(item[0][0]))
     names = tuple(name for (name, _), _ in mine)
     hashes = tuple(digest for (_, digest), _ in mine)
@@ -74,8 +74,8 @@ def _conditions(comparison: Comparison) -> Conditions:
         budget_ms=comparison.budget_ms,
         seed=comparison.seed,
         seeds=comparison.sampling.seeds,
-        warmup_s=comparison.paths[0].window_s[0],
-        visible_px=comparison.visible_px,
+        warmup_s=comparison.window_s[0][0],
+        visible_px=comparison.visible,
         fovy_deg=had.fovy_deg,
         crossfade_ms=had.crossfade_ms,
         measurement_delay=had.measurement_delay,

@@ -197,7 +197,7 @@ def needed_replicates(
 
     def decides(count: int) -> bool:
         degrees = n * (count - 1)
-        wanted = float(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER))
+        wanted = sum(float(np.float64(stdtrit(degrees, at))) for at in (1 - error, _POWER))
         return distance >= wanted * spread / sqrt(count)
 
     counts = range(2, _MOST + 1)

@@ -51,9 +51,9 @@ def test_faults_are_faults() -> None:
 
 
 @pytest.mark.parametrize("options", [CompareSettings, MeasureOptions])
-@pytest.mark.parametrize("name", ["draws", "workers"])
+@pytest.mark.parametrize("name", ["seeds", "workers"])
 def test_scores_are_of_whole_numbers(options: Any, name: str) -> None:
-    """One and a half draws or processes are refused, not rounded."""
+    """Ten and a half seeds or processes are refused, not rounded."""
     with pytest.raises(InputError, match=f"{name}: expected a whole number"):
         options(**{name: 10.5})
 

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pytest
-from scipy.stats import t as student
+from scipy import stats
 
 from lodbench.analysis.gate.baseline import make_baseline
 from lodbench.analysis.gate.check import require_load
@@ -17,6 +18,7 @@ from lodbench.base.errors import InputError
 
 Make = Callable[..., MeasuredPolicy]
 Judge = Callable[..., Verdict]
+student: Any = stats.t
 THIS, SUCH = 'population = "this-path"', 'population = "such-paths"'
 
 

@@ -1,12 +1,16 @@
 """Promises about such paths: shares of time in two parts, times on their logarithm."""
 
+from typing import Any
+
 import numpy as np
 import pytest
-from scipy.stats import beta
-from scipy.stats import t as student
+from scipy import stats
 
 from lodbench.analysis.verdict.intervals import such_paths
 from lodbench.analysis.verdict.promised import at_most
+
+student: Any = stats.t
+beta: Any = stats.beta
 
 
 def test_no_miss_on_n_paths_is_no_promise_of_none() -> None:
