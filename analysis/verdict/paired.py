@@ -196,8 +196,8 @@ def needed_replicates(
     spread = sqrt(float(rows.var(axis=1, ddof=1).sum())) / n
 
     def decides(count: int) -> bool:
-        degrees = n * (count - 1)
-        wanted = sum(float(np.float64(stdtrit(degrees, at))) for at in (1 - error, _POWER))
+        degrees = float(n * (count - 1))
+        wanted = float(np.float64(stdtrit(degrees, 1 - error) + stdtrit(degrees, _POWER)))
         return distance >= wanted * spread / sqrt(count)
 
     counts = range(2, _MOST + 1)
