@@ -37,6 +37,4 @@ def find_warnings(
             f"no policy surely keeps {budget_ms:.4g} ms, where full detail takes {most:.3g} ms; "
             "take a higher budget"
         )
-    elif len(keeps) > 1 and all(keeps):
-        found.append(f"every policy keeps {budget_ms:.4g} ms; a lower budget tells more")
     return tuple(found)
