@@ -24,7 +24,7 @@ COMMANDS = {
     "sweep": "Run a study over any axes, and ask questions to its results.",
     "tune": "Search parameters of a policy for a finer picture within the budget.",
     "suite": "Rank policies by a fixed study of scenes, paths, machines and budgets.",
-    "check": "Judge a policy's frame times and flicker by limits: 0 passed, 1 failed, 2 bad input.",
+    "check": "Judge policies by limits on their metrics: 0 passed, 1 failed, 2 bad input.",
     "report": "Write DIR/report.html again from comparison.json and the frame logs beside it.",
     "export": "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for "
     "Perfetto).",

@@ -58,10 +58,18 @@ def html_of(result: Any) -> str:
     return result._repr_html_()
 
 
+class Broken(Fine):
+    """A policy that breaks its contract."""
+
+    def reset(self, scene: Any, budget_ms: float) -> None:
+        """Fail in a way of its own."""
+        raise RuntimeError("no target")
+
+
 @pytest.fixture(scope="module")
 def compared() -> lodbench.Comparison:
     """Return a comparison of a class, an object, a name, and one that is refused."""
-    policies = [Fine, Fine(0.5, "<b>"), "full", "feedback:target=2"]
+    policies = [Fine, Fine(0.5, "<b>"), "full", Broken]
     return lodbench.compare(policies, **SHORT)
 
 

@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...base.errors import InputError
-from ..study.comparison import Comparison, PolicyResult, read_comparison
+from ..study.comparison import Comparison, read_comparison
 from ..study.comparison_folder import COMPARISON, RUNS
+from ..study.comparison_parts import PolicyResult
 from ..study.results.record import decode
 from ..study.results.run_table import read_runs
 from ..study.score import Scored

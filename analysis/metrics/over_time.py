@@ -37,5 +37,6 @@ def time_quantile(values: FloatArray, weight_ms: FloatArray, q: float) -> float 
     order = np.argsort(values, kind="stable")
     reached: FloatArray = np.cumsum(weight_ms[order])
     # A share that is reached exactly, as half of two equal frames, must not be missed by rounding.
-    at = int(np.searchsorted(reached, q * reached[-1] * (1.0 - 1e-12)))
+    enough = q * float(reached[-1]) * (1.0 - 1e-12)
+    at = int(np.searchsorted(reached, enough))
     return float(values[order][at])

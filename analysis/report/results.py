@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...sim.frame_log import FrameLog
-from ..study.comparison import Comparison, PolicyResult
+from ..study.comparison import Comparison
+from ..study.comparison_parts import PolicyResult
 from .blocks import Block, Cell, Chart, Section
 from .palette import Ink
 from .summary import MetricColumn

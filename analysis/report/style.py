@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ..study.comparison import PolicyResult
+from ..study.comparison_parts import PolicyResult
 from .palette import Ink
 
 BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..study.comparison import Comparison, PolicyResult, Status, knob_text
+from ..study.comparison import Comparison
+from ..study.comparison_parts import PolicyResult, Status, knob_text
 from .values import format_value
 
 

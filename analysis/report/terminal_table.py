@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 from ..metrics.metric_registry import METRICS
-from ..study.comparison import Comparison, PolicyResult
+from ..study.comparison import Comparison
+from ..study.comparison_parts import PolicyResult
 from .console_tables import plain_table
 from .summary import (
     HEADLINE,

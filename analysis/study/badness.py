@@ -26,7 +26,7 @@ METRIC_OF: dict[Badness, str] = {
 }
 """The metric that each kind of badness is; the overshoot is over the budget."""
 
-GUARD_OF: dict[Badness, str] = METRIC_OF | {"overshoot": "work_ms_p99"}
+GUARD_OF: dict[Badness, str] = {**METRIC_OF, "overshoot": "work_ms_p99"}
 """The metric by which a path that was found is guarded: none that one frame decides."""
 
 Gauge: TypeAlias = Callable[[CameraTrace], float]

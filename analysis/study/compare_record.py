@@ -9,7 +9,8 @@ from ...traces.cameras.camera_trace import CameraTrace
 from ..verdict.scores import LEVEL
 from ..verdict.verdict import Verdict
 from .code_hash import code_hash
-from .comparison import Comparison, Conditions, Provenance, Sampling
+from .comparison import Comparison
+from .comparison_parts import Conditions, Provenance, Sampling
 from .replays import Bench
 
 

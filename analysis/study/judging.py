@@ -11,7 +11,7 @@ from ...policies.knob import declared_knob
 from ...policies.policy_spec import PolicySpec, is_oracle, parameters
 from ..verdict.curve import Curve
 from ..verdict.judged import Judged
-from .comparison import KnobSetting, PolicyResult
+from .comparison_parts import KnobSetting, PolicyResult
 from .replays import Bench, Place, Replays
 from .score import Scored
 from .tuning import Rotation, Tuned, quantiles_ms

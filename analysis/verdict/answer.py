@@ -5,7 +5,7 @@ The first says whom to take, the second how sure that is, the third who cannot k
 
 from collections.abc import Sequence
 
-from ..study.comparison import Chances, LeastMiss, PolicyResult, Robustness, knob_text
+from ..study.comparison_parts import Chances, LeastMiss, PolicyResult, Robustness, knob_text
 
 ORDER = ("visible_error_px", "visible_pops_per_s", "work_ms_mean")
 """Metrics of the ranking, the first of most weight."""

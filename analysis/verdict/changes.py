@@ -13,7 +13,7 @@ from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...sim.frame_log import CONSTANT, FrameLog
 from ..metrics.metric import Better
 from ..metrics.metric_registry import find_metric
-from ..study.comparison import PolicyResult, knob_text
+from ..study.comparison_parts import PolicyResult, knob_text
 from .paired import holm
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...policies.policy_spec import PolicySpec
-from ..study.comparison import KnobSetting
+from ..study.comparison_parts import KnobSetting
 from ..study.score import Scored
 
 

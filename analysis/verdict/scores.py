@@ -5,7 +5,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ..metrics.metric import Metric
 from ..metrics.metric_registry import METRICS
-from ..study.comparison import Score, Span
+from ..study.comparison_parts import Score, Span
 from .intervals import Interval, such_paths, this_path, with_machine
 from .judged import Judged
 from .metric_kinds import kind_of

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ..metrics.worst_moment import Moment
-from ..study.comparison import (
+from ..study.comparison_parts import (
     Chances,
     Curve,
     Elsewhere,

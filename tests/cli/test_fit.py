@@ -72,15 +72,18 @@ def test_the_profile_is_written_and_is_the_same_each_time(log: Path):
 
 
 def test_a_fitted_profile_is_a_machine_for_compare(log: Path, capsys: pytest.CaptureFixture[str]):
-    """The draws of the posterior widen the intervals of scores."""
+    """The draws of the posterior are replayed, and the machine's doubt is in the intervals."""
     assert run(["fit", str(log), *QUICK, "--out", "mine.toml"]) == 0
     capsys.readouterr()
-    arguments = ["--hardware", "mine.toml", "--policy", "full", "--seconds", "0:2", "--json"]
+    arguments = ["--hardware", "mine.toml", "--policy", "full", "--scene", "plaza", "--json"]
+    arguments += ["--trace", "walk", "--paths", "2", "--seconds", "0:2", "--seeds", "2"]
     assert run(["compare", *arguments, "--draws", "4", "--workers", "1"]) == 0
     record: dict[str, Any] = json.loads(capsys.readouterr().out)
     score = record["policies"][0]["metrics"]["work_ms_mean"]
     assert record["hardware"] == "mine"
-    assert score["low"] < score["value"] < score["high"]
+    assert record["sampling"]["draws"] == 4
+    (low, high), (narrow_low, narrow_high) = score["with_machine"], score["such_paths"]
+    assert low < narrow_low < score["value"] < narrow_high < high
 
 
 def test_columns_are_mapped(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -85,7 +85,8 @@ def test_other_outputs_are_told_before_the_work(
     """Each command that works long looks first where its result is to go."""
     (tmp_path / "file").touch()
     (tmp_path / "limits.toml").write_text(
-        "[limits]\nframe_ms_p99 = { max = 50.0, max_increase = '5%' }\n", encoding="utf-8"
+        "population = 'this-path'\n[limits]\nframe_ms_p99 = { max = 50.0, max_increase = '5%' }\n",
+        encoding="utf-8",
     )
     limits = ["--limits", str(tmp_path / "limits.toml")] if command[0] == "check" else []
     name = {"stress": "path.csv", "fit": "profile.toml"}.get(command[0], "result")

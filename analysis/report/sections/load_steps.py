@@ -4,7 +4,8 @@ from typing import Any
 
 from ...metrics.measured_frames import MeasuredFrames
 from ...metrics.steps import APART_NS, Step
-from ...study.comparison import Comparison, PolicyResult
+from ...study.comparison import Comparison
+from ...study.comparison_parts import PolicyResult
 from ..blocks import Cell, Chart, Paragraph, Table
 from ..results import Results, section
 from ..series import envelope

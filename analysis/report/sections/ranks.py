@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ...metrics.metric_registry import find_metric
-from ...study.comparison import PolicyResult
+from ...study.comparison_parts import PolicyResult
 from ..blocks import Across, Cell, Paragraph, Table
 from ..results import Results, section
 from ..summary import HEADLINE, MetricColumn, keeps_text, knob_words, rank_text, shown_policies

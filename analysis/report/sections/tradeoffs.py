@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from ...study.comparison import Comparison, PolicyResult
+from ...study.comparison import Comparison
+from ...study.comparison_parts import PolicyResult
 from ..blocks import Chart, Table
 from ..results import Results, section
 from ..style import BUDGET, panels, styled

@@ -26,7 +26,7 @@ from ...verdict.scores import LEVEL
 from ...verdict.warnings import find_warnings
 from ..compare import CompareSettings, require_paths
 from ..compare_record import make_provenance
-from ..comparison import Sampling
+from ..comparison_parts import Sampling
 from ..engine.open_engine import open_engine
 from ..engine.task import Failure
 from ..replays import Bench, Replays
@@ -102,7 +102,7 @@ def tune_policy(
         training=tuple(path.name for path in paths.training),
         judged=judged_names,
         sampling=Sampling(
-            LEVEL, SEEDS, 0, "such paths", "knobs were tuned on other paths than they are judged on"
+            LEVEL, SEEDS, 0, "knobs were tuned on other paths than they are judged on"
         ),
         warnings=find_warnings(
             judged_names,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from ..comparison import Keeps, KnobSetting, PolicyResult, Provenance, Sampling, Span
+from ..comparison_parts import Keeps, KnobSetting, PolicyResult, Provenance, Sampling, Span
 from .space import Axis
 
 SCHEMA = "lodbench.tune/1"

@@ -15,7 +15,8 @@ from ....policies.registry import parse_policy, require_distinct
 from ....sim.replay import ReplayOptions
 from ..code_hash import code_hash
 from ..compare import CompareSettings, compare
-from ..comparison import Comparison, PolicyResult, knob_text
+from ..comparison import Comparison
+from ..comparison_parts import PolicyResult, knob_text
 from ..comparison_target import claimed_target
 from ..engine.limits import DEFAULT_LIMITS, Limits
 from ..paths import load_paths
@@ -144,7 +145,7 @@ def _cell_result(cell: Cell, comparison: Comparison) -> CellResult:
         trace=cell.trace,
         hardware=cell.hardware,
         budget_ms=cell.budget_ms,
-        paths=tuple(path.name for path in comparison.paths),
+        paths=comparison.paths,
         answer=comparison.answer,
         warnings=comparison.warnings,
         hashes=comparison.provenance.hashes,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from ..comparison import Status
+from ..comparison_parts import Status
 
 SCHEMA = "lodbench.suite/1"
 

@@ -8,15 +8,15 @@ import pyarrow as pa
 import pytest
 from scipy import stats
 
-from lodbench.analysis.study.comparison import (
-    Comparison,
+from lodbench.analysis.study.comparison import Comparison
+from lodbench.analysis.study.comparison_folder import Compared
+from lodbench.analysis.study.comparison_parts import (
     Conditions,
     KnobSetting,
     PolicyResult,
     Provenance,
     Sampling,
 )
-from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.analysis.verdict.changes import WATCHED, find_changes
 from lodbench.base.errors import InputError
 from lodbench.sim.frame_log import FrameLog

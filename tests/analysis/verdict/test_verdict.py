@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lodbench.analysis.study.comparison import PolicyResult
+from lodbench.analysis.study.comparison_parts import PolicyResult
 from lodbench.analysis.study.score import Scored
 from lodbench.analysis.verdict.judged import Judged
 from lodbench.analysis.verdict.verdict import Terms, Verdict, reach_verdict

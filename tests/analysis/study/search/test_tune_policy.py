@@ -203,7 +203,8 @@ def test_without_a_knob_the_parameters_themselves_keep_the_budget(
     )
     assert found.better
     assert found.found is not None
-    assert found.found.knob is None
+    assert found.found.knob is not None
+    assert not found.found.knob.tuned
     ratio = found.found.params["ratio"]
     assert isinstance(ratio, float)
     # One of the 16 points is in [.35, .4]; a margin of 10 % of some 5.6 px is .06 of the ratio.

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from lodbench.analysis.study.comparison import Status
+from lodbench.analysis.study.comparison_parts import Status
 from lodbench.analysis.study.runs import Progress
 from lodbench.analysis.study.suite.definition import SUITES, Cell, Suite, find_suite
 from lodbench.analysis.study.suite.run_suite import lead, run_suite
