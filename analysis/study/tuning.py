@@ -14,6 +14,7 @@ from ...base.arrays import FloatArray
 from ...policies.knob import Knob
 from ..verdict.folds import folds
 from ..verdict.operating_point import (
+    NARROW,
     OperatingPoint,
     keeps_surely,
     next_knob,
@@ -28,7 +29,9 @@ SCANNED_PATHS = 4
 _STEP = 0.2
 """Between values that are replayed on all paths until some keep the budget and some do not, of the
 distance of those that are scanned."""
-MOST_VALUES = 14
+_NARROW_OF_FOLDS = 0.12
+"""Width of the bracket about the operating point of a fold: paths judge at its coarse end."""
+MOST_VALUES = 18
 """Values of a knob that are replayed at most."""
 
 
@@ -138,6 +141,7 @@ class _Search:
         self._label, self._knob, self._budget_ms, self._seed = label, knob, budget_ms, seed
         self._known = list(knob.values(SCANNED_VALUES))  # on the scanned paths, coarse to fine
         self._whole: list[float] = []  # of these, on all training paths
+        self._steps = 0  # taken from the first of them
 
     def scan(self) -> list[Place]:
         """Return the replays over the whole range."""
@@ -159,18 +163,23 @@ class _Search:
         column = {path: at for at, path in enumerate(self._rotation.training)}
         sets = dict.fromkeys((self._rotation.training, *self._rotation.sets))
         training = [np.array([column[path] for path in paths]) for paths in sets]
+        after: float | None = None
         sure = [keeps_surely(np.log(work_ms[:, paths] / self._budget_ms)) for paths in training]
         # Every set needs a value that keeps the budget beside a finer one that does not, or an end.
         if not all(of.any() for of in sure) and (beside := self._step(self._whole[0], -1)):
             return beside
         if any(of[-1] for of in sure) and (beside := self._step(self._whole[-1], 1)):
             return beside
-        if not self._is_monotone() and (left := [v for v in self._known if v not in self._whole]):
-            return left[0]
+        if hopeful := self._hopeful():
+            return hopeful[0]
         if len(self._known) >= MOST_VALUES:
             return None
         values, scale = np.array(self._whole), self._knob.scale
-        after = next_knob(values, work_ms, self._budget_ms, scale, training)
+        everyone, *folds = training
+        for sets, narrow in (([everyone], NARROW), (folds, _NARROW_OF_FOLDS)):
+            after = next_knob(values, work_ms, self._budget_ms, scale, sets, self._share(narrow))
+            if after is not None:
+                break
         if after is None:
             return None
         short = _short(after)
@@ -192,9 +201,29 @@ class _Search:
         between = next_knob(values, work_ms, self._budget_ms, scale, everyone)
         return found.value if between is None else _short(between)
 
+    def _share(self, narrow: float) -> float:
+        """Return as a share of the whole values' range what is that share of the finest of them."""
+        if self._knob.scale == "log":
+            return narrow
+        return narrow * abs(self._whole[-1]) / float(np.ptp(self._whole) or 1.0)
+
+    def _hopeful(self) -> list[float]:
+        """Return finer values that were scanned and seem to keep the budget, coarsest first.
+
+        There are some only where a finer value takes less time than a coarser one.
+        """
+        finest = self._known.index(self._whole[-1])
+        finer = self._known[finest + 1 :]
+        if not finer:
+            return []
+        ln_ratio = np.log(self._work_ms(finer, self._rotation.scanned) / self._budget_ms)
+        return [v for v, of in zip(finer, ln_ratio.mean(axis=1).tolist(), strict=True) if of <= 0.0]
+
     def _step(self, value: float, way: int) -> float | None:
         """Return the value a step finer (1) or coarser (-1), None at an end of the range."""
-        at = self._knob.where(value) + way * _STEP / (SCANNED_VALUES - 1)
+        self._steps += 1  # each twice as long as the one before
+        length = _STEP * 2.0 ** (self._steps - 1) / (SCANNED_VALUES - 1)
+        at = self._knob.where(value) + way * length
         stepped = self._knob.at(min(max(at, 0.0), 1.0))
         return None if stepped == value or stepped in self._whole else stepped
 

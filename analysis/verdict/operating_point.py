@@ -21,7 +21,8 @@ SURE = 0.9
 """Probability of keeping another path from which a knob counts as keeping the budget."""
 
 _DIP = 0.02  # fall of ln p99 towards finer that counts: less is noise of the replays
-_NARROW = 0.05  # of a bracket: a ratio less 1, or a share of the range
+NARROW = 0.05
+"""Width of a bracket about an operating point that is narrow enough."""
 _WITHIN = 0.98  # of a narrow bracket, so that rounding does not leave one that is not
 _POINTS = 33  # at which a crossing is looked for
 
@@ -83,14 +84,14 @@ def next_knob(
     budget_ms: float,
     scale: Scale,
     training: Sequence[NDArray[np.int64]],
+    narrow_enough: float = NARROW,
 ) -> float | None:
     """Return the knob's value to replay next on all paths, or None where all is known well enough.
 
     It lies in the bracket between the finest knob that keeps the budget and its next finer, of the
     bracket that most training sets wait for: where the crossing would be were ln p99 straight
     there, but a narrow bracket away from the ends, so that a crossing beside an end is closed in.
-    That takes half the replays of halving.  A bracket within 5 % (of its value on a log scale, of
-    the range on a linear one) is narrow enough.
+    That takes half the replays of halving.
 
     Parameters
     ----------
@@ -100,10 +101,13 @@ def next_knob(
         On all n paths.
     training : sequence of (t,) int64
         The training sets: indices of paths.
+    narrow_enough : float
+        Width of a bracket that is left: a ratio less 1 on a log scale, a share of the range on a
+        linear one.
     """
     ln_ratio = np.log(p99_ms / budget_ms)
     at = np.log(values) if scale == "log" else values
-    narrow = np.log1p(_NARROW) if scale == "log" else _NARROW * np.ptp(values)
+    narrow = np.log1p(narrow_enough) if scale == "log" else narrow_enough * np.ptp(values)
     waiting: dict[int, list[float]] = {}  # by the index of a bracket's coarse end, crossings in it
     for paths in training:
         sure = np.flatnonzero(keeps_surely(ln_ratio[:, paths]))
