@@ -79,17 +79,13 @@ def _how_sure(
             f"{another} it would come first with probability {best:.2f}, and "
             f"be within the margin of the first with {near:.2f}"
         )
-    if robustness is None:
+    # Curves are of fewer paths: where they put another first, they say nothing of this one.
+    if robustness is None or robustness.leader != leader.label:
         return f"{sure}."
     low, high = robustness.speed
-    who = (
-        "it stays first"
-        if robustness.leader == leader.label
-        else f"{robustness.leader} is the first of those that were tuned"
-    )
     return (
-        f"{sure}; read off the curves, {who} on machines of {low:.2g} to {high:.2g} times the "
-        "speed."
+        f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
+        "the speed."
     )
 
 
@@ -121,7 +117,7 @@ def _nobody(
             "See the reason of each below.",
         )
     nearest = next(policy for policy in policies if policy.label == least_miss.label)
-    ratio = f"{least_miss.ratio:.2f} times it" if least_miss.ratio > 1.0 else "within it on average"
+    ratio = f"{least_miss.ratio:.2f} times it, in the geometric mean"
     return (
         f"No policy surely keeps {budget} on {population}.",
         f"Nearest comes {_named(nearest)}, whose work takes {ratio}.",

@@ -13,6 +13,9 @@ RELATIVE_MARGIN = 0.1
 PICTURE_MARGIN_PX = 0.25
 """Of a screen error: differences that nobody sees."""
 
+POPS_MARGIN_PER_S = 1.0
+"""Of visible switches: a second more or less that decides nothing."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Criterion:

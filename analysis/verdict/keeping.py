@@ -53,17 +53,18 @@ def p_keeps(p99_ms: FloatArray, budget_ms: float) -> float:
     return float(predictive_probability(np.log(p99_ms / budget_ms)))
 
 
-def predictive_probability(values: FloatArray) -> FloatArray:
+def predictive_probability(values: FloatArray, known: int | None = None) -> FloatArray:
     """Return the probability that one more value is at most 0, of normal samples, (…, n) to (…).
 
     The new value less the mean of n has n + 1 n-ths of the variance, estimated with n − 1 degrees
     of freedom: exact for normal values.  Samples of equal values give 0 or 1; of one value, nan.
+    Where these are some of `known` values, mean and variance stand for theirs.
 
     Source: Geisser, Predictive Inference (1993), section 2.2.
     """
-    n = values.shape[-1]
+    n = max(values.shape[-1], known or 0)
     mean = values.mean(axis=-1)
-    if n < 2:
+    if values.shape[-1] < 2:
         return np.full_like(mean, np.nan)
     sd = values.std(axis=-1, ddof=1)
     spread = np.ptp(values, axis=-1) > 0

@@ -135,8 +135,11 @@ def _crossing(coarse: FloatArray, fine: FloatArray) -> float:
     return float(part[sure][-1]) + 0.5 / (_POINTS - 1)
 
 
-def keeps_surely(ln_ratio: FloatArray) -> NDArray[np.bool_]:
-    """Return which knobs, (K,), surely keep the budget, from ln of p99 over budget, (K, n)."""
+def keeps_surely(ln_ratio: FloatArray, known_paths: int | None = None) -> NDArray[np.bool_]:
+    """Return which knobs, (K,), surely keep the budget, from ln of p99 over budget, (K, n).
+
+    Where only some of the paths are at hand, `known_paths` is how many there are in all.
+    """
     if ln_ratio.shape[1] == 1:
         return ln_ratio[:, 0] <= 0
-    return predictive_probability(ln_ratio) >= SURE
+    return predictive_probability(ln_ratio, known_paths) >= SURE

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
-from .criterion import PICTURE_MARGIN_PX, Criterion
+from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, RELATIVE_MARGIN, Criterion
 from .curve import LEAST_ERROR_PX, Curve
 from .operating_point import keeps_surely
 from .ranking import ranking
@@ -49,7 +49,10 @@ class Robustness:
 
 
 def robustness(
-    curves: Mapping[str, Curve], budget_ms: float, absolute_px: float = PICTURE_MARGIN_PX
+    curves: Mapping[str, Curve],
+    budget_ms: float,
+    relative: float = RELATIVE_MARGIN,
+    known_paths: int | None = None,
 ) -> Robustness:
     """Return over which speeds and refresh rates the first rank at the budget stands.
 
@@ -57,19 +60,22 @@ def robustness(
     ----------
     curves : mapping of label to Curve
         Of the policies, all on the same n paths.
-    absolute_px : float
-        Margin of the visible error.
+    relative : float
+        Margin as a share of the best.
+    known_paths : int or None
+        Number of paths on which operating points were chosen, where curves are of fewer: how they
+        spread is then taken from the curves, and how much is known of it from that number.
     """
-    fine = {label: _Fine.of(curve) for label, curve in curves.items()}
+    fine = {label: _Fine.of(curve, known_paths) for label, curve in curves.items()}
     points = {label: of.at(budget_ms) for label, of in fine.items()}
-    first = _first(points, absolute_px)
+    first = _first(points, relative)
     refresh = {hz: {label: of.at(1e3 / hz) for label, of in fine.items()} for hz in REFRESH_HZ}
     low = high = None
     if first:
 
         def stands(speed: float) -> bool:
             there = {label: of.at(budget_ms * speed) for label, of in fine.items()}
-            return first[0] in _first(there, absolute_px)
+            return first[0] in _first(there, relative)
 
         steps = np.arange(1, _STEPS + 1) / _STEPS
         low = _furthest(SLOWEST**steps, stands)
@@ -78,7 +84,7 @@ def robustness(
         first=first,
         speed_low=low,
         speed_high=high,
-        at_refresh={hz: _first(there, absolute_px) for hz, there in refresh.items()},
+        at_refresh={hz: _first(there, relative) for hz, there in refresh.items()},
         misses={
             hz: tuple(label for label, point in there.items() if point is None)
             for hz, there in refresh.items()
@@ -95,13 +101,16 @@ class _Fine:
     ln_p99 : (F, n) float64
     seen : (3, F, n) float64
         Visible error, visible pops, mean work.
+    known_paths : int or None
+        On so many paths its spread is known; None for n.
     """
 
     ln_p99: FloatArray
     seen: FloatArray
+    known_paths: int | None
 
     @classmethod
-    def of(cls, curve: Curve) -> "_Fine":
+    def of(cls, curve: Curve, known_paths: int | None) -> "_Fine":
         """Return the curve with `_BETWEEN` points for each that it has."""
         k = len(curve.knob)
         at = np.linspace(0, k - 1, _BETWEEN * (k - 1) + 1)
@@ -115,16 +124,16 @@ class _Fine:
         error_px = np.exp(between(np.log(np.maximum(curve.error_px, LEAST_ERROR_PX))))
         work_ms = np.exp(between(np.log(curve.work_ms)))
         seen = np.array([error_px, between(curve.pops_per_s), work_ms])
-        return cls(between(np.log(curve.p99_ms)), seen)
+        return cls(between(np.log(curve.p99_ms)), seen, known_paths)
 
     def at(self, budget_ms: float) -> FloatArray | None:
         """Return what is seen at the finest point that keeps the budget, (3, n), if any does."""
         beyond = self.ln_p99 - np.log(budget_ms)
-        kept = np.flatnonzero(keeps_surely(beyond))
+        kept = np.flatnonzero(keeps_surely(beyond, self.known_paths))
         return self.seen[:, kept[-1]] if len(kept) else None
 
 
-def _first(points: Mapping[str, FloatArray | None], absolute_px: float) -> tuple[str, ...]:
+def _first(points: Mapping[str, FloatArray | None], relative: float) -> tuple[str, ...]:
     """Return the policies of the first rank among those that keep the budget, leader first."""
     kept = {label: point for label, point in points.items() if point is not None}
     if not kept:
@@ -132,9 +141,9 @@ def _first(points: Mapping[str, FloatArray | None], absolute_px: float) -> tuple
     seen = np.stack(list(kept.values()), axis=1)
     error, pops, work = seen
     order = (
-        Criterion("visible_error_px", error, absolute=absolute_px),
-        Criterion("visible_pops_per_s", pops),
-        Criterion("work_ms_mean", work),
+        Criterion("visible_error_px", error, relative=relative, absolute=PICTURE_MARGIN_PX),
+        Criterion("visible_pops_per_s", pops, relative=relative, absolute=POPS_MARGIN_PER_S),
+        Criterion("work_ms_mean", work, relative=relative),
     )
     return ranking(list(kept), order)[0].members
 

@@ -19,7 +19,7 @@ from ..study.comparison_parts import (
 from . import chances as chances_of
 from . import curve as curves_of
 from .answer import ORDER, answer
-from .criterion import PICTURE_MARGIN_PX, Criterion
+from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
 from .judged import Judged
 from .keeping import exact_bound, p_keeps
@@ -28,9 +28,6 @@ from .ranking import RankGroup, ranking
 from .robustness import robustness
 from .scores import LEVEL, score_metrics
 from .warnings import find_warnings
-
-POPS_MARGIN_PER_S = 1.0
-"""Visible switches a second that decide nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +98,7 @@ def reach_verdict(
     order, sure = _chances(rivals, criteria, terms.seed)
     nearest = None if groups else _least_miss(judged, terms.budget_ms)
     apart = {label: curve for label, curve in curves.items() if label not in same}
-    stands = _robustness(apart, terms.budget_ms)
+    stands = _robustness(apart, terms)
     contenders = [item for item in judged if not item.oracle]
     footings = [seeds[0].footing for seeds in judged[0].runs] if judged else []
     return Verdict(
@@ -245,10 +242,10 @@ def _least_miss(judged: Sequence[Judged], budget_ms: float) -> LeastMiss | None:
     return None if label is None else LeastMiss(label, ratios[label])
 
 
-def _robustness(curves: Mapping[str, curves_of.Curve], budget_ms: float) -> Robustness | None:
+def _robustness(curves: Mapping[str, curves_of.Curve], terms: Terms) -> Robustness | None:
     if not curves or next(iter(curves.values())).p99_ms.shape[1] < 2:
         return None
-    found = robustness(curves, budget_ms)
+    found = robustness(curves, terms.budget_ms, terms.margin, len(terms.paths))
     if not found.first or found.speed_low is None or found.speed_high is None:
         return None
     budgets = tuple(
