@@ -15,7 +15,14 @@ def print_changes(changes: Changes, console: "Console") -> None:
     from rich.text import Text
 
     shown = [change for change in changes.metrics if change.beyond_noise]
-    console.print(summarise(changes), markup=False)
+    console.print(summarise(changes), markup=False, emoji=False)
+    for difference in changes.conditions:
+        console.print(
+            f"warning: not under the same conditions: {difference}",
+            style="yellow",
+            markup=False,
+            emoji=False,
+        )
     if shown:
         table = plain_table()
         table.add_column("policy", overflow="fold")
@@ -30,11 +37,11 @@ def print_changes(changes: Changes, console: "Console") -> None:
         console.print("", table)
     for policy in changes.policies:
         for sentence in _sentences(policy, shown):
-            console.print(sentence, markup=False)
+            console.print(sentence, markup=False, emoji=False)
     for label in changes.only_before:
-        console.print(f"{label} was scored in the first only", markup=False)
+        console.print(f"{label} was scored in the first only", markup=False, emoji=False)
     for label in changes.only_after:
-        console.print(f"{label} was scored in the second only", markup=False)
+        console.print(f"{label} was scored in the second only", markup=False, emoji=False)
 
 
 def summarise(changes: Changes) -> str:

@@ -37,9 +37,9 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
     console.print(describe_run(comparison), style="bold")
     console.print()
     for sentence in comparison.answer:
-        console.print(sentence, soft_wrap=False, markup=False)
+        console.print(sentence, soft_wrap=False, markup=False, emoji=False)
     for warning in comparison.warnings:
-        console.print(f"warning: {warning}", style="yellow", markup=False)
+        console.print(f"warning: {warning}", style="yellow", markup=False, emoji=False)
     if comparison.ok and wide:
         for table in _wide_tables(comparison, console.width):
             console.print("", table)
@@ -48,12 +48,12 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
             console.print("", table)
         console.print()
     for sentence in folded(comparison):
-        console.print(sentence, style="dim", markup=False)
+        console.print(sentence, style="dim", markup=False, emoji=False)
     for status, reason in unscored(comparison):
         style = "bold red" if status == "failed" else "yellow"
-        console.print(reason, style=style, soft_wrap=True, markup=False)
+        console.print(reason, style=style, soft_wrap=True, markup=False, emoji=False)
     if comparison.ok:
-        console.print(explain(comparison), style="dim", markup=False)
+        console.print(explain(comparison), style="dim", markup=False, emoji=False)
 
 
 def explain(comparison: Comparison) -> str:
@@ -146,4 +146,5 @@ def _interval(policy: PolicyResult, metric: str) -> str:
     if span is None:
         return format_value(score.value)
     text = f"({format_value(span[0])}, {format_value(span[1])})"
-    return f"{format_value(score.value)} {text:>16}{'' if score.enough else '?'}"
+    doubtful = score.such_paths is not None and not score.enough
+    return f"{format_value(score.value)} {text:>16}{'?' if doubtful else ''}"

@@ -79,7 +79,7 @@ def frame_log_names(labels: list[str]) -> dict[str, str]:
     """Return a file name for the frames of each policy, distinct on every file system."""
     names: dict[str, str] = {}
     taken: set[str] = set()
-    for label in labels:
+    for label in sorted(labels):  # the same, whoever lists them
         stem = base = re.sub(r"[^\w.=,+-]+", "_", label)[:100]
         again = 2
         while stem.lower() in taken:

@@ -166,10 +166,14 @@ class _Search:
         after: float | None = None
         sure = [keeps_surely(np.log(work_ms[:, paths] / self._budget_ms)) for paths in training]
         # Every set needs a value that keeps the budget beside a finer one that does not, or an end.
-        if not all(of.any() for of in sure) and (beside := self._step(self._whole[0], -1)):
-            return beside
-        if any(of[-1] for of in sure) and (beside := self._step(self._whole[-1], 1)):
-            return beside
+        if not all(of.any() for of in sure):
+            beside = self._step(self._whole[0], -1)
+            if beside is not None:
+                return beside
+        if any(of[-1] for of in sure):
+            beside = self._step(self._whole[-1], 1)
+            if beside is not None:
+                return beside
         if hopeful := self._hopeful():
             return hopeful[0]
         if len(self._known) >= MOST_VALUES:

@@ -7,10 +7,13 @@ from collections.abc import Sequence
 
 from ..study.comparison_parts import Chances, LeastMiss, PolicyResult, Robustness, knob_text
 
-ORDER = ("visible_error_px", "visible_pops_per_s", "work_ms_mean")
-"""Metrics of the ranking, the first of most weight."""
+SEEN = ("visible_error_px", "visible_pops_per_s")
+"""Metrics of what can be seen where everything is drawn."""
 
-_NOTHING_PX, _NOTHING_POPS = 0.005, 0.05
+ORDER = ("missing_objects_mean", *SEEN, "work_ms_mean")
+"""Metrics of the ranking, the first of most weight: a hole in the picture is a fault before all."""
+
+_NOTHING_PX, _NOTHING_POPS, _NOTHING_MISSING = 0.005, 0.05, 0.005
 """Less than tables show: nothing that can be seen."""
 
 
@@ -37,8 +40,14 @@ def answer(
 
 def sees_nothing(policy: PolicyResult) -> bool:
     """Whether a policy draws no error and no switch that can be seen."""
-    error, pops = (policy.value_of(metric) or 0.0 for metric in ORDER[:2])
-    return error < _NOTHING_PX and pops < _NOTHING_POPS
+    error, pops = (policy.value_of(metric) or 0.0 for metric in SEEN)
+    return error < _NOTHING_PX and pops < _NOTHING_POPS and not _holes(policy)
+
+
+def _holes(policy: PolicyResult) -> str:
+    """Return in words how much a policy leaves out, nothing where it draws all."""
+    missing = policy.value_of("missing_objects_mean") or 0.0
+    return f", with {missing:.2g} objects missing" if missing >= _NOTHING_MISSING else ""
 
 
 def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
@@ -48,8 +57,8 @@ def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
     what = (
         "and nothing of its picture error or switches can be seen, so the budget leaves room"
         if sees_nothing(leader)
-        else f"at {_number(leader, ORDER[0])} px of visible error and "
-        f"{_number(leader, ORDER[1])} visible pops a second"
+        else f"at {_number(leader, SEEN[0])} px of visible error and "
+        f"{_number(leader, SEEN[1])} visible pops a second{_holes(leader)}"
     )
     kept = f" (it kept {keeps.kept} of {keeps.paths} judged)" if keeps.paths > 1 else ""
     sentence = f"Take {_named(leader)}: it keeps {budget} on {population}{kept}, {what}"
@@ -69,15 +78,15 @@ def _how_sure(
     if leader.label not in order.p_best:
         sure = f"How it does beyond {population} is not known from a single replay"
     else:
-        another = (
-            "On another such set of paths"
+        every = (
+            f"Over all {population}"
             if leader.keeps_budget is not None and leader.keeps_budget.paths > 1
-            else f"Under other noise on {population}"
+            else f"Over all noise on {population}"
         )
         best, near = order.p_best[leader.label], order.p_near_best[leader.label]
         sure = (
-            f"{another} it would come first with probability {best:.2f}, and "
-            f"be within the margin of the first with {near:.2f}"
+            f"{every} it comes first with probability {best:.2f}, and "
+            f"is within the margin of the first with {near:.2f}"
         )
     # Curves are of fewer paths: where they put another first, they say nothing of this one.
     if robustness is None or robustness.leader != leader.label:
@@ -112,7 +121,9 @@ def _nobody(
 ) -> tuple[str, str, str]:
     if least_miss is None:
         return (
-            "No policy was scored.",
+            "Nobody was scored but oracles, which see the true cost."
+            if any(policy.status == "ok" for policy in policies)
+            else "No policy was scored.",
             "Nothing can be said of how sure that is.",
             "See the reason of each below.",
         )

@@ -58,12 +58,14 @@ def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
     )
 
 
-def order_chances(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0) -> Chances:
+def order_chances(
+    criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0, regret_in: str = ""
+) -> Chances:
     """Return each policy's chances in the order of the criteria; nan from one path.
 
     In a draw, who is within the margin of the best in one criterion is judged by the next.  The
     best is who is left with the best mean of the last; within the margin is who is left by its
-    margin too.  The regret is that of the first criterion.
+    margin too.  The regret is that of the criterion `regret_in`, else of the first.
     """
     policies, n = criteria[0].values.shape
     if n < 2:
@@ -76,8 +78,9 @@ def order_chances(criteria: Sequence[Criterion], draws: int = 4000, seed: int = 
         least = np.where(left, means, np.inf).min(axis=1, keepdims=True)
         best = left & (means == least)
         left = left & (beyond_margin(means, least, criterion) <= 0)
-    first = sampled[0]
-    regret = first - first.min(axis=1, keepdims=True)
+    names = [criterion.name for criterion in criteria]
+    means = sampled[names.index(regret_in) if regret_in in names else 0]
+    regret = means - means.min(axis=1, keepdims=True)
     return Chances(_shared(best), left.mean(axis=0), regret.mean(axis=0))
 
 

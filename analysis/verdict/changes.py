@@ -1,8 +1,8 @@
 """What changed from one comparison to another beyond noise, and which cost went with it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from scipy.special import stdtr, stdtrit
@@ -13,7 +13,8 @@ from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...sim.frame_log import CONSTANT, FrameLog
 from ..metrics.metric import Better
 from ..metrics.metric_registry import find_metric
-from ..study.comparison_parts import PolicyResult, knob_text
+from ..study.comparison import Comparison
+from ..study.comparison_parts import Conditions, PolicyResult, knob_text
 from .paired import holm
 
 if TYPE_CHECKING:
@@ -35,6 +36,10 @@ _PREDICTORS = tuple(
 )
 
 
+_ByPath: TypeAlias = Mapping[str, Mapping[str, FloatArray]]
+_Values: TypeAlias = Mapping[str, _ByPath]
+
+
 @dataclass(frozen=True, slots=True)
 class Change:
     """A metric of a policy in both comparisons.
@@ -44,7 +49,7 @@ class Change:
     before, after : float
         Means over the paths.
     low, high : float
-        90 % interval of after − before, over such paths.
+        90 % interval of after − before: on the same paths under other noise, else over such paths.
     beyond_noise : bool
         Whether the change is shown, all changes of the comparison together considered (Holm).
     """
@@ -92,11 +97,14 @@ class Changes:
     ----------
     paired : bool
         Whether both have the same paths, which are then compared one by one.
+    conditions : tuple of str
+        What else differs, such as the budget: changes may be of that.
     only_before, only_after : tuple of str
         Labels of policies that were scored in one alone.
     """
 
     paired: bool
+    conditions: tuple[str, ...]
     policies: tuple[PolicyChange, ...]
     metrics: tuple[Change, ...]
     only_before: tuple[str, ...]
@@ -114,7 +122,7 @@ def find_changes(before: "Compared", after: "Compared") -> Changes:
     if not both:
         raise InputError("compare: expected a policy that both folders scored, got none in common")
     values_then, values_now = _values(before), _values(after)
-    paired = all(values_then[label].keys() == values_now[label].keys() for label in both)
+    paired = all(_are_paired(values_then[label], values_now[label]) for label in both)
     found = [
         (label, metric, *_test(values_then[label], values_now[label], metric, paired=paired))
         for label in both
@@ -128,6 +136,7 @@ def find_changes(before: "Compared", after: "Compared") -> Changes:
     )
     return Changes(
         paired=paired,
+        conditions=tuple(_differing(before.comparison, after.comparison)),
         policies=tuple(
             _policy_change(then[label], now[label], before.logs[label], after.logs[label])
             for label in both
@@ -138,12 +147,28 @@ def find_changes(before: "Compared", after: "Compared") -> Changes:
     )
 
 
+def _differing(before: Comparison, after: Comparison) -> Iterator[str]:
+    """Yield what the comparisons were made under that is not the same."""
+    for name in ("scene", "hardware", "budget_ms", "miss", "visible", "margin"):
+        then, now = getattr(before, name), getattr(after, name)
+        if then != now:
+            yield f"{name} {then}, now {now}"
+    for item in fields(Conditions):
+        then, now = (getattr(side.conditions, item.name) for side in (before, after))
+        if then != now:
+            yield f"{item.name} {then}, now {now}"
+    same_name = before.hardware == after.hardware
+    hashes = [side.provenance.hashes.get(f"hardware {side.hardware}") for side in (before, after)]
+    if same_name and hashes[0] != hashes[1]:
+        yield f"hardware {after.hardware} has other numbers"
+
+
 def _by_label(compared: "Compared") -> dict[str, PolicyResult]:
     return {policy.label: policy for policy in compared.comparison.ok}
 
 
-def _values(compared: "Compared") -> dict[str, dict[str, dict[str, float]]]:
-    """Return by label and path the mean over seeds of each metric, of the runs that judge."""
+def _values(compared: "Compared") -> _Values:
+    """Return by label and path each metric under each seed, (S,), of the runs that judge."""
     if compared.runs is None:
         raise InputError("compare: expected a folder with runs.parquet, got one without; run again")
     table: pa.Table = compared.runs
@@ -153,41 +178,52 @@ def _values(compared: "Compared") -> dict[str, dict[str, dict[str, float]]]:
         if row["judged"] and row["draw"] is None:
             found.setdefault(row["policy"], {}).setdefault(row["trace_hash"], []).append(row)
     return {
-        label: {path: _means(runs) for path, runs in paths.items()}
+        label: {
+            path: {name: np.array([run[name] for run in runs], np.float64) for name in WATCHED}
+            for path, runs in paths.items()
+        }
         for label, paths in found.items()
     }
 
 
-def _means(runs: list[dict[str, Any]]) -> dict[str, float]:
-    values = np.array([[run[name] for name in WATCHED] for run in runs], dtype=np.float64)
-    return dict(zip(WATCHED, values.mean(axis=0).tolist(), strict=True))
+def _are_paired(then: _ByPath, now: _ByPath) -> bool:
+    """Whether both have the same paths under as many seeds."""
+    counts = [{path: len(of[WATCHED[0]]) for path, of in by.items()} for by in (then, now)]
+    return counts[0] == counts[1]
 
 
 def _test(
-    then: Mapping[str, Mapping[str, float]],
-    now: Mapping[str, Mapping[str, float]],
-    metric: str,
-    *,
-    paired: bool,
+    then: _ByPath, now: _ByPath, metric: str, *, paired: bool
 ) -> tuple[float, float, float, float, float]:
-    """Return both means, the ends of the interval of their difference, and its two-sided p."""
-    before = np.array([row[metric] for row in then.values()])
-    after = np.array([now[path][metric] for path in (then if paired else now)])
-    means = float(before.mean()), float(after.mean())
-    samples = [after - before] if paired else [after, before]
-    if min(map(len, samples)) < 2 or not np.isfinite(means).all():
+    """Return both means, the ends of the interval of their difference, and its two-sided p.
+
+    On the same paths it is the noise that must be exceeded: each path is compared with itself under
+    the same seeds, and how the change differs from path to path is no doubt of it.
+    """
+    before = {path: of[metric] for path, of in then.items()}
+    after = {path: of[metric] for path, of in now.items()}
+    by_path = [np.array([of.mean() for of in side.values()]) for side in (after, before)]
+    means = float(by_path[1].mean()), float(by_path[0].mean())
+    if not np.isfinite(means).all():
+        return (*means, np.nan, np.nan, np.nan)
+    changes = [after[path] - before[path] for path in before] if paired else []
+    several = paired and all(len(change) > 1 for change in changes)
+    if several:
+        samples, share = changes, 1.0 / len(changes)
+    elif paired:
+        samples, share = [np.concatenate(changes)], 1.0
+    else:
+        samples, share = by_path, 1.0
+    if min(map(len, samples)) < 2:
         return (*means, np.nan, np.nan, np.nan)
     change = means[1] - means[0]
     error, degrees = _error(samples)
-    if error == 0.0:  # the same on every path, whatever it is
+    error *= share
+    if error == 0.0:  # the same in every replay, whatever it is
         return (*means, change, change, 1.0 if change == 0.0 else 0.0)
     reach = float(stdtrit(degrees, 0.95)) * error
-    return (
-        *means,
-        change - reach,
-        change + reach,
-        2.0 * float(stdtr(degrees, -abs(change) / error)),
-    )
+    p = 2.0 * float(stdtr(degrees, -abs(change) / error))
+    return *means, change - reach, change + reach, p
 
 
 def _error(samples: list[FloatArray]) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from ..study.comparison_parts import (
 )
 from . import chances as chances_of
 from . import curve as curves_of
-from .answer import ORDER, answer
+from .answer import ORDER, SEEN, answer
 from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
 from .judged import Judged
@@ -28,6 +28,15 @@ from .ranking import RankGroup, ranking
 from .robustness import robustness
 from .scores import LEVEL, score_metrics
 from .warnings import find_warnings
+
+_LEAST = {
+    "missing_objects_mean": 0.01,
+    "visible_error_px": PICTURE_MARGIN_PX,
+    "visible_pops_per_s": POPS_MARGIN_PER_S,
+    "work_ms_mean": 0.0,
+}
+"""Differences that decide nothing, in the unit of each metric of the order."""
+_NO_PICTURE_PX = 1_000.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +109,8 @@ def reach_verdict(
     apart = {label: curve for label, curve in curves.items() if label not in same}
     stands = _robustness(apart, terms)
     contenders = [item for item in judged if not item.oracle]
-    footings = [seeds[0].footing for seeds in judged[0].runs] if judged else []
+    most = max(judged, key=lambda item: len(item.runs), default=None)  # an oracle has few paths
+    footings = [] if most is None else [seeds[0].footing for seeds in most.runs]
     return Verdict(
         policies=policies,
         order=order,
@@ -123,12 +133,17 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
     """Return the metrics of the order, on the paths where every rival has all of them, (P, n)."""
     if not rivals:
         return ()
-    tables = [np.array([item.replicates(name) for item in rivals]) for name in ORDER]
-    known = ~np.isnan(np.array(tables)).any(axis=(0, 1))
-    absolute = (PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, 0.0)
+    tables = {name: np.array([item.replicates(name) for item in rivals]) for name in ORDER}
+    error = tables["visible_error_px"]
+    # Who draws nothing where others draw has no error of its own, and no picture is worse.
+    drawn_by_some = ~np.isnan(error).all(axis=0)
+    tables["visible_error_px"] = np.where(np.isnan(error) & drawn_by_some, _NO_PICTURE_PX, error)
+    known = ~np.isnan(np.array(list(tables.values()))).any(axis=(0, 1))
+    if not known.any():  # nothing was ever in view: only what it took can be told apart
+        return (Criterion("work_ms_mean", tables["work_ms_mean"], relative=margin),)
     return tuple(
-        Criterion(name, table[:, known], relative=margin, absolute=least)
-        for name, table, least in zip(ORDER, tables, absolute, strict=True)
+        Criterion(name, table[:, known], relative=margin, absolute=_LEAST[name])
+        for name, table in tables.items()
     )
 
 
@@ -229,7 +244,9 @@ def _chances(
         return Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
 
     each = {item.name: shown(chances_of.chances(item, seed=seed)) for item in criteria}
-    return shown(chances_of.order_chances(criteria, seed=seed)), each
+    # What choosing wrongly costs is told in what is seen.
+    order = chances_of.order_chances(criteria, seed=seed, regret_in=SEEN[0])
+    return shown(order), each
 
 
 def _least_miss(judged: Sequence[Judged], budget_ms: float) -> LeastMiss | None:

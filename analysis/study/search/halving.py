@@ -13,6 +13,7 @@ from math import ceil
 import numpy as np
 
 from ....base.errors import InputError
+from ...verdict.answer import SEEN
 from ...verdict.chances import order_chances
 from ...verdict.judged import Judged
 from ...verdict.keeping import p_keeps
@@ -103,7 +104,7 @@ def best_first(judged: Sequence[Judged], budget_ms: float, margin: float) -> lis
     sure = [item for item in judged if p_keeps(item.point_ms, budget_ms) >= SURE]
     order: list[str] = []
     if sure:
-        of = order_chances(order_criteria(sure, margin))
+        of = order_chances(order_criteria(sure, margin), regret_in=SEEN[0])
         keys = zip((-of.p_best).tolist(), of.regret.tolist(), strict=True)
         ranked = sorted(zip(keys, (item.label for item in sure), strict=True))
         order = [label for _, label in ranked]

@@ -32,16 +32,17 @@ def judged(made_scored: Callable[..., Scored]) -> MakeJudged:
         mean_ms: Any = 12.0,
         judged_ms: Any = 14.0,
         oracle: bool = False,
-        full_gpu_ms: float = 100.0,
+        missing: float = 0.0,
     ) -> Judged:
         rows = [np.broadcast_to(of, PATHS) for of in (error_px, pops, mean_ms, judged_ms)]
         runs = tuple(
             tuple(
                 made_scored(
                     judged_ms=float(limit),
-                    visible_error_px=float(error),
+                    visible_error_px=None if np.isnan(error) else float(error),
                     visible_pops_per_s=float(pop),
                     work_ms_mean=float(mean),
+                    missing_objects_mean=missing,
                 )
                 for _ in range(2)
             )
@@ -133,6 +134,38 @@ def test_identical_policies_are_one_row(judged: MakeJudged) -> None:
     assert [policy.same_as for policy in verdict.policies] == [None, "also", None]
     assert verdict.order.p_best == {"also": 1.0, "other": 0.0}
     assert "twin" not in verdict.answer[0]
+
+
+def test_a_hole_is_a_fault_and_no_saving(judged: MakeJudged) -> None:
+    """Who leaves objects out has no error where they were, and ranks behind all who draw them."""
+    verdict = reach_verdict(
+        [judged("holes", error_px=0.0, pops=0.0, mean_ms=2.0, missing=30.0), judged("whole")],
+        [],
+        {},
+        TERMS,
+    )
+    assert ranks(verdict) == {"whole": 1, "holes": 2}
+    alone = reach_verdict([judged("holes", error_px=0.0, pops=0.0, missing=30.0)], [], {}, TERMS)
+    assert "with 30 objects missing" in alone.answer[0]
+
+
+def test_who_draws_nothing_is_worst_and_nobodys_path_is_lost(judged: MakeJudged) -> None:
+    """A policy without any picture has no error of its own: it is behind the coarsest."""
+    verdict = reach_verdict(
+        [judged("nothing", error_px=np.nan), judged("coarse", error_px=9.0)], [], {}, TERMS
+    )
+    assert ranks(verdict) == {"coarse": 1, "nothing": 2}
+
+
+def test_where_nothing_is_in_view_only_work_is_compared(judged: MakeJudged) -> None:
+    """A path that looks at the sky has no picture error under any policy, and no traceback."""
+    verdict = reach_verdict(
+        [judged("dear", error_px=np.nan), judged("cheap", error_px=np.nan, mean_ms=5.0)],
+        [],
+        {},
+        TERMS,
+    )
+    assert ranks(verdict) == {"cheap": 1, "dear": 2}
 
 
 def test_an_oracle_has_no_rank(judged: MakeJudged) -> None:
