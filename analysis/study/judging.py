@@ -185,21 +185,25 @@ class Judging:
             return np.array(
                 [
                     [
-                        replays[Place(label, path, self.seed, value)].values[metric] or 0.0
+                        replays[Place(label, path, self.seed, value)].values[metric]
                         for path in self.rotation.scanned
                     ]
-                    for value in tuned.values.tolist()
-                ]
+                    for value in values
+                ],
+                dtype=np.float64,
             )
 
         values = tuned.values.tolist()
+        work_ms = quantiles_ms(replays, label, values, self.rotation.scanned, self.seed)
+        mean_ms = table("work_ms_mean")
         return Curve(
             knob=tuned.values,
-            p99_ms=quantiles_ms(replays, label, values, self.rotation.scanned, self.seed),
-            work_ms=table("work_ms_mean"),
-            error_px=table("visible_error_px"),
-            pops_per_s=table("visible_pops_per_s"),
-            lag_ms=table("lag_ms_mean"),
+            p99_ms=work_ms,
+            # Where no frame is shown within the window, none weighs there.
+            work_ms=np.where(np.isnan(mean_ms), work_ms, mean_ms),
+            error_px=np.nan_to_num(table("visible_error_px")),
+            pops_per_s=np.nan_to_num(table("visible_pops_per_s")),
+            lag_ms=np.nan_to_num(table("lag_ms_mean")),
         )
 
 

@@ -8,7 +8,7 @@ import pytest
 from lodbench.cli.main import run
 from lodbench.traces.cameras.read_trace import read_trace
 
-QUICK = ["--evaluations", "8", "--duration-s", "0.6", "--legs", "2"]
+QUICK = ["--evaluations", "8", "--duration-s", "1.6", "--legs", "2"]
 
 
 @pytest.mark.slow
@@ -21,7 +21,7 @@ def test_a_path_becomes_a_regression_test(
     record = json.loads(capsys.readouterr().out)
     assert record["schema"] == "lodbench.stress/1"
     assert record["value"] > 0.0
-    assert read_trace(str(out)).duration_s == 0.6
+    assert read_trace(str(out)).duration_s == 1.6
     check = [*record["check"][1:], "--workers", "1", "--seeds", "2"]
     assert run([*check, "--update-baseline"]) == 0
     assert run([*check, "--strict"]) == 0

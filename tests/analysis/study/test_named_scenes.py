@@ -22,7 +22,7 @@ def test_compare_runs(name: str) -> None:
         compared = compare(
             [parse_policy(text) for text in default_policies()],
             scene,
-            [load_trace(path, scene).stretch(0.0, 0.2)],
+            [load_trace(path, scene).stretch(0.0, 0.6)],
             load_hardware("desktop-assumed"),
             ReplayOptions(budget_ms=16.7),
             CompareSettings(warmup_s=0.05, workers=1, as_shipped=True, seeds=1, draws=0),

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +88,7 @@ def results_in_code(policy: Any) -> None:
         def __reduce__(self) -> Any:
             return os.abort, ()
 
-    def make_rogue(*_: Any) -> Any:
+    def make_rogue(*_: Any, **__: Any) -> Any:
         return Rogue()
 
     score.__dict__["Scored"] = make_rogue
@@ -183,7 +184,8 @@ def closes_output(policy: Any) -> None:
     """Close what it would print to."""
     sys.stdout.close()
     sys.stderr.close()
-    os.close(0)
+    with suppress(OSError):  # closed by a run before, in the same process
+        os.close(0)
 
 
 @hostile(None)
