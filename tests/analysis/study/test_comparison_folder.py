@@ -150,14 +150,20 @@ def test_failed_rename_brings_the_earlier_results_back(
 
 
 def test_names_of_frame_logs_are_distinct() -> None:
-    """Labels that become equal as file names, or differ by case only, get numbers."""
-    names = output.frame_log_names(["a/b:C", "a_b_C", "A_B_c", "full"])
-    assert list(names.values()) == [
-        "a_b_C.parquet",
-        "a_b_C-2.parquet",
-        "A_B_c-3.parquet",
-        "full.parquet",
-    ]
+    """Labels that become equal as file names, or differ by case only, get numbers.
+
+    A label has the same file whoever lists the labels in whatever order: who writes goes by the
+    order given, who reads by rank.
+    """
+    labels = ["a/b:C", "a_b_C", "A_B_c", "full"]
+    names = output.frame_log_names(labels)
+    assert names == {
+        "A_B_c": "A_B_c.parquet",
+        "a/b:C": "a_b_C-2.parquet",
+        "a_b_C": "a_b_C-3.parquet",
+        "full": "full.parquet",
+    }
+    assert output.frame_log_names(labels[::-1]) == names
 
 
 def test_report_is_written_again(results: Compared, tmp_path: Path) -> None:
