@@ -15,13 +15,12 @@ def print_changes(changes: Changes, console: "Console") -> None:
     from rich.text import Text
 
     shown = [change for change in changes.metrics if change.beyond_noise]
-    console.print(summarise(changes), markup=False, emoji=False)
+    console.print(summarise(changes), markup=False)
     for difference in changes.conditions:
         console.print(
             f"warning: not under the same conditions: {difference}",
             style="yellow",
             markup=False,
-            emoji=False,
         )
     if shown:
         table = plain_table()
@@ -37,11 +36,11 @@ def print_changes(changes: Changes, console: "Console") -> None:
         console.print("", table)
     for policy in changes.policies:
         for sentence in _sentences(policy, shown):
-            console.print(sentence, markup=False, emoji=False)
+            console.print(sentence, markup=False)
     for label in changes.only_before:
-        console.print(f"{label} was scored in the first only", markup=False, emoji=False)
+        console.print(f"{label} was scored in the first only", markup=False)
     for label in changes.only_after:
-        console.print(f"{label} was scored in the second only", markup=False, emoji=False)
+        console.print(f"{label} was scored in the second only", markup=False)
 
 
 def summarise(changes: Changes) -> str:

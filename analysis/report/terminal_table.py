@@ -37,9 +37,9 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
     console.print(describe_run(comparison), style="bold")
     console.print()
     for sentence in comparison.answer:
-        console.print(sentence, soft_wrap=False, markup=False, emoji=False)
+        console.print(sentence, soft_wrap=False, markup=False)
     for warning in comparison.warnings:
-        console.print(f"warning: {warning}", style="yellow", markup=False, emoji=False)
+        console.print(f"warning: {warning}", style="yellow", markup=False)
     if comparison.ok and wide:
         for table in _wide_tables(comparison, console.width):
             console.print("", table)
@@ -48,12 +48,12 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
             console.print("", table)
         console.print()
     for sentence in folded(comparison):
-        console.print(sentence, style="dim", markup=False, emoji=False)
+        console.print(sentence, style="dim", markup=False)
     for status, reason in unscored(comparison):
         style = "bold red" if status == "failed" else "yellow"
-        console.print(reason, style=style, soft_wrap=True, markup=False, emoji=False)
+        console.print(reason, style=style, soft_wrap=True, markup=False)
     if comparison.ok:
-        console.print(explain(comparison), style="dim", markup=False, emoji=False)
+        console.print(explain(comparison), style="dim", markup=False)
 
 
 def explain(comparison: Comparison) -> str:

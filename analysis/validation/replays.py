@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from ...base.content_hash import content_hash
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
@@ -12,7 +11,7 @@ from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import CompareSettings
 from ..study.engine.open_engine import open_engine
-from ..study.replays import Bench, Place, Replays
+from ..study.replays import Place, Replays, make_bench
 from ..study.runs import Progress, choose_draws
 from .recordings import Recorded, RecordOptions, open_recorder
 from .validate import Measured, Simulated, Simulation
@@ -71,16 +70,13 @@ def simulate_all(
 
     Raises `InputError` if a policy cannot be simulated.
     """
-    specs = {label: parse_policy(label) for label in labels}
-    inputs = {content_hash(value): value for value in (scene, hardware, trace)}
-    scene_hash, hardware_hash, trace_hash = inputs
-    bench = Bench(
-        inputs, scene_hash, hardware_hash, (trace_hash,), specs, {}, options, settings.warmup_s,
-        settings.miss,
-    )  # fmt: skip
+    specs = [parse_policy(label) for label in labels]
+    bench = make_bench(
+        specs, scene, [trace], hardware, options, settings.warmup_s, miss=settings.miss
+    )
     limits = settings.policy_limits
     engine = open_engine(
-        inputs, workers=settings.workers, limits=limits, scheduler=settings.scheduler
+        bench.inputs, workers=settings.workers, limits=limits, scheduler=settings.scheduler
     )
     draws = choose_draws(hardware, settings.draws)
     mean = {label: Place(label, 0, options.seed, logged=True) for label in labels}

@@ -22,7 +22,7 @@ from .answer import ORDER, SEEN, answer
 from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
 from .judged import Judged
-from .keeping import exact_bound, p_keeps
+from .keeping import keeping, p_keeps
 from .operating_point import SURE
 from .ranking import RankGroup, ranking
 from .robustness import robustness
@@ -149,15 +149,13 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
 
 def _keeps(item: Judged, budget_ms: float) -> Keeps:
     probability = p_keeps(item.point_ms, budget_ms)
-    judged_ms = item.judged_ms
-    kept = int((judged_ms <= budget_ms).sum())
-    low, high = exact_bound(kept, len(judged_ms), LEVEL)
+    judged = keeping(item.judged_ms, budget_ms, LEVEL)
     return Keeps(
         probability=None if np.isnan(probability) else probability,
-        kept=kept,
-        paths=len(judged_ms),
-        low=low,
-        high=high,
+        kept=judged.kept,
+        paths=judged.paths,
+        low=judged.low,
+        high=judged.high,
         work_ms=float(np.exp(np.log(item.point_ms).mean())),
     )
 

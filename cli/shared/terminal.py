@@ -51,4 +51,4 @@ def table_console(piped_width: int) -> "Console":
     """Return a console for tables; a pipe, which has no width of its own, gets the one given."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else piped_width, highlight=False)
+    return Console(width=None if sys.stdout.isatty() else piped_width, highlight=False, emoji=False)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....base.content_hash import content_hash
 from ....base.errors import InputError, PolicyError, require_whole
 from ....models.machine.hardware import HardwareProfile
 from ....models.scene.scene import Scene
@@ -29,7 +28,7 @@ from ..compare_record import make_provenance
 from ..comparison_parts import Sampling
 from ..engine.open_engine import open_engine
 from ..engine.task import Failure
-from ..replays import Bench, Replays
+from ..replays import Bench, Replays, make_bench
 from ..runs import Progress
 from .confirmation import SEEDS, answer, confirm, find_gains, is_better
 from .drawn_paths import Paths
@@ -180,21 +179,18 @@ def _bench(
     settings: CompareSettings,
 ) -> Bench:
     """Return what all replays share; a knob may depend on the parameters that are tried."""
-    hashes = tuple(map(content_hash, paths))
-    scene_hash, hardware_hash = content_hash(scene), content_hash(hardware)
     knobs: dict[str, Knob] = {}
     for spec in specs:
         if (knob := declared_knob(spec)) is not None:
             knobs[spec.label] = knob
-    return Bench(
-        inputs={scene_hash: scene, hardware_hash: hardware} | dict(zip(hashes, paths, strict=True)),
-        scene=scene_hash,
-        hardware=hardware_hash,
-        paths=hashes,
-        specs={spec.label: spec for spec in specs},
+    return make_bench(
+        specs,
+        scene,
+        paths,
+        hardware,
+        options,
+        settings.warmup_s,
         knobs=knobs,
-        options=options,
-        warmup_s=settings.warmup_s,
         miss=settings.miss,
     )
 

@@ -13,10 +13,9 @@ import pytest
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.study.engine.open_engine import open_engine
 from lodbench.analysis.study.paths import load_paths
-from lodbench.analysis.study.replays import Bench, Place, Replays
+from lodbench.analysis.study.replays import Place, Replays, make_bench
 from lodbench.analysis.verdict.intervals import such_paths
 from lodbench.analysis.verdict.metric_kinds import kind_of
-from lodbench.base.content_hash import content_hash
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_catalog import load_scene
@@ -56,20 +55,8 @@ def replay_pool(kind: str, count: int) -> dict[str, dict[str, np.ndarray]]:
     """Return each metric of each policy on the paths of a pool, means over seeds, (count,)."""
     scene, hardware = load_scene("plaza"), load_hardware("llvmpipe")
     paths = make_paths(kind, scene, count)
-    inputs = {content_hash(value): value for value in (scene, hardware)}
-    scene_hash, hardware_hash = inputs
-    hashes = tuple(map(content_hash, paths))
-    bench = Bench(
-        inputs=inputs | dict(zip(hashes, paths, strict=True)),
-        scene=scene_hash,
-        hardware=hardware_hash,
-        paths=hashes,
-        specs={name: parse_policy(name) for name in POLICIES},
-        knobs={},
-        options=ReplayOptions(budget_ms=BUDGET_MS),
-        warmup_s=1.0,
-        miss=0.01,
-    )
+    policies = [parse_policy(name) for name in POLICIES]
+    bench = make_bench(policies, scene, paths, hardware, ReplayOptions(budget_ms=BUDGET_MS), 1.0)
     places = [
         Place(name, path, seed)
         for name in POLICIES
