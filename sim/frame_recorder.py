@@ -21,7 +21,7 @@ from .accounting.benefit_bound import BenefitBound
 from .accounting.extraction import Extraction, IndexSets
 from .accounting.first_uses import FirstUses
 from .accounting.fronts import Fronts
-from .accounting.holes import Holes, only
+from .accounting.holes import Holes, only, with_missing
 from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
 from .frame_log import CountRows
@@ -190,13 +190,15 @@ class FrameRecorder:
         """Return what the picture is worth beside that of every candidate at full detail."""
         share = render_scale * render_scale
         units = self._quality.units(view)
-        quality = self._quality.score(drawn, units)
+        quality, judged = self._quality.score(drawn, units), drawn
+        if quality.missing:
+            judged = with_missing(drawn, units, self._quality.find_missing(drawn, units))
         return (
             len(units.ids),
             len(drawn.ids),
             quality.missing,
             self._accounting.full_gpu_ms(units, drawn, tally, share),
-            *self._errors.of(drawn),
+            *self._errors.of(judged),
             share * quality.benefit,
             quality.full_benefit,
             # The bound is that of pictures rendered at full size.

@@ -8,14 +8,19 @@ from ...base.arrays import BoolArray
 
 
 def keep_from_holes(
-    parent: Sequence[int], additive: Sequence[bool], solid: BoolArray, whole: BoolArray
+    parent: Sequence[int],
+    additive: Sequence[bool],
+    solid: BoolArray,
+    whole: BoolArray,
+    empty: BoolArray,
 ) -> BoolArray:
     """Return the tiles that can be drawn, or lead to such, without a hole where others would do.
 
     A renderer keeps a tile on the screen until all that replaces it is there (3D Tiles, REPLACE),
     which what is missing never is: such a tile is a leaf, whatever stands below it.  Beside a tile
     that stays (ADD) only what is missing goes.  A tile without geometry is passed through.  Where
-    nothing above a hole has geometry it stays one.
+    nothing above a hole has geometry it stays one.  Tiles that have no content by design, and
+    nothing below that has, are no holes, and go too, unless nothing at all can be drawn.
 
     Parameters
     ----------
@@ -27,6 +32,8 @@ def keep_from_holes(
         (n,) whether anything of a tile can be drawn.
     whole
         (n,) whether all contents of a tile could be read.
+    empty
+        (n,) whether a tile has no content by design.
     """
     n = len(parent)
     leaf, below = np.ones(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
@@ -38,11 +45,19 @@ def keep_from_holes(
             hole[row] = True
         if hole[row] and parent[row] >= 0:
             below[parent[row]] = True
-    keep = np.ones(n, dtype=np.bool_)
+    keep = _leads_to_content(parent, empty) if solid.any() else np.ones(n, dtype=np.bool_)
     for row, above in enumerate(parent):
         if above < 0:
             continue
-        keep[row] = keep[above]
+        keep[row] &= keep[above]
         if solid[above] and below[above]:
             keep[row] &= additive[above] and not hole[row]
     return keep
+
+
+def _leads_to_content(parent: Sequence[int], empty: BoolArray) -> BoolArray:
+    leads = ~empty
+    for row in range(len(parent) - 1, 0, -1):
+        if leads[row] and parent[row] >= 0:
+            leads[parent[row]] = True
+    return leads

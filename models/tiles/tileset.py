@@ -55,8 +55,8 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
         [getattr(row, name) for row in table.rows] for name in ("parent", "additive")
     )
     solid = counts[:, LEVEL_PREDICTORS.index("triangles")] > 0.0
-    whole = read == [len(row.files) for row in table.rows]
-    keep = keep_from_holes(parent, additive, solid, whole)
+    files = np.array([len(row.files) for row in table.rows])
+    keep = keep_from_holes(parent, additive, solid, read == files, files == 0)
     name = path.parent.resolve().name if path.stem == "tileset" else path.stem
     radius = np.maximum(radius, _LEAST_RADIUS_M)
     types = _types(radius[keep], error[keep], counts[keep], size[keep])
@@ -71,7 +71,7 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
         parent=place[np.array(parent)[keep]],
         additive=np.array(additive)[keep],
     )
-    contents = sum(len(row.files) for row in table.rows)
+    contents = int(files.sum())
     return scene, SceneOrigin(
         "3d-tiles",
         (path.name,),

@@ -17,7 +17,8 @@ def kept(
     whole[missing] = False
     solid = whole.copy()
     solid[list(empty)] = False
-    keep = keep_from_holes(PARENT, [i in additive for i in range(6)], solid, whole)
+    adds, none = [i in additive for i in range(6)], np.isin(np.arange(6), empty)
+    keep = keep_from_holes(PARENT, adds, solid, whole, none)
     return np.flatnonzero(keep).tolist()
 
 
@@ -43,8 +44,10 @@ def test_beside_what_stays_only_the_missing_goes() -> None:
     assert kept([1, 3], additive=(0,)) == [0, 2, 5]
 
 
-def test_a_leaf_without_content_is_no_hole() -> None:
-    """A tile that is empty by design has nothing to draw, and nothing of it is missing."""
-    assert kept([], empty=(3,)) == [0, 1, 2, 3, 4, 5]
-    assert kept([], empty=(1, 3)) == [0, 1, 2, 3, 4, 5]
+def test_a_tile_without_content_is_no_hole() -> None:
+    """What is empty by design has nothing to draw and goes, unless there is nothing else."""
+    assert kept([], empty=(3,)) == [0, 1, 2, 4, 5]
+    assert kept([], empty=(1, 3, 4)) == [0, 2, 5]
+    assert kept([], empty=(1,)) == [0, 1, 2, 3, 4, 5]
     assert kept([4], empty=(1,)) == [0]
+    assert kept([], empty=(0, 1, 2, 3, 4, 5)) == [0, 1, 2, 3, 4, 5]

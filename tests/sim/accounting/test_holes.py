@@ -36,5 +36,11 @@ def test_a_level_of_nothing_is_missing(
     assert log["missing"].tolist() == [0, 1, 3, 0]
     assert log["draw_calls"].tolist() == [3, 2, 0, 3]
     assert log["gpu_ms"].tolist() == [7, 6, 4, 7]
+    # Full detail errs by nothing; of a hole of 2 m, 9 m ahead (or a little more, beside the axis),
+    # 50 px high at 45 degrees, it is all.  Not drawn, it has the weight of what is drawn.
+    beside_px = 50.0 * 2.0 / (np.hypot(10.0, 1.0) - 1.0)
+    assert log["sse_px_max"] == pytest.approx([0.0, 100.0 / 9.0, 100.0 / 9.0, 0.0])
+    assert log["sse_px_p95"] == pytest.approx([0.0, 0.0, beside_px, 0.0])
+    assert (log["visible_error_area_px"] > 0.0).tolist() == [False, True, True, False]
     assert log["benefit"][2] == 0.0
     assert np.array_equal(log["full_benefit"], np.full(4, log["full_benefit"][0]))
