@@ -101,10 +101,10 @@ class IndexSets:
     def _extract(self, ids: IntArray, step: FloatArray) -> Extraction:
         """Bring the sets of nodes to these steps."""
         owned = self._owned.take(ids)
-        at = (owned != step).nonzero()[0]
+        at = np.flatnonzero(owned != step)
         if not len(at):
             return _NOTHING
-        node, now, before = ids.take(at), step.take(at), owned.take(at)
+        node, now, before = ids[at], step[at], owned[at]
         self._owned[node] = now
         kind = self._scene.type_index.take(node)
         triangles = self._steps.triangles(kind, now)
