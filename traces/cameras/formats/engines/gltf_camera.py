@@ -17,6 +17,7 @@ import numpy as np
 
 from .....base.arrays import FloatArray
 from .....base.errors import InputError
+from .....base.files.text_file import read_bytes
 from ...reading.frames import OPENGL
 from ...reading.poses import Poses
 from ...reading.rotations import rotations_of
@@ -128,16 +129,12 @@ def _buffer(buffer: dict[str, Any], chunk: bytes, path: Path) -> bytes:
     if uri.startswith("data:"):
         return base64.b64decode(uri.partition(",")[2])
     beside = path.parent / uri
-    if not beside.is_file() or beside.stat().st_size > _LARGEST_BYTES:
-        raise InputError(f"expected the buffer {uri[:80]} beside it, got none", path=path)
-    return beside.read_bytes()
+    return read_bytes(beside, _LARGEST_BYTES)
 
 
 def _load(path: Path) -> tuple[dict[str, Any], bytes]:
     """Return the document and the binary chunk of a .gltf or .glb file."""
-    if path.stat().st_size > _LARGEST_BYTES:
-        raise InputError("expected a glTF file below 2 GB, got more", path=path)
-    data = path.read_bytes()
+    data = read_bytes(path, _LARGEST_BYTES)
     chunk = b""
     try:
         if data[:4] == b"glTF":

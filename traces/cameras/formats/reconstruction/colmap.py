@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .....base.errors import InputError
+from .....base.files.text_file import read_bytes
 from ...reading.frames import Frame
 from ...reading.poses import Poses
 from ...reading.rotations import rotations_of
@@ -50,9 +51,7 @@ def read_colmap_text(path: Path, selector: str | None = None) -> Poses:
 def read_colmap_binary(path: Path, selector: str | None = None) -> Poses:
     """Return the poses of `images.bin`; raises `InputError` if it is cut off."""
     refuse_selector(selector, path, "images.bin")
-    if path.stat().st_size > _LARGEST_BYTES:
-        raise InputError("expected images.bin below 4 GB, got more", path=path)
-    data = path.read_bytes()
+    data = read_bytes(path, _LARGEST_BYTES)
     found: list[tuple[str, int, list[float]]] = []
     try:
         (count,), at = struct.unpack_from("<Q", data), 8
