@@ -6,6 +6,7 @@ the command that decompresses it.
 """
 
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -19,12 +20,14 @@ DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 _MOST_ELEMENTS = 50_000_000
 
 
-def _require(module: str, extension: str, extra: str) -> None:
+def _decoder(module: str, extension: str, extra: str) -> Any:
+    """Return a module that decodes; raises `InputError` if it is not installed."""
     if find_spec(module) is None:
         raise InputError(
             f"{extension}: expected its decoder, got none; pip install 'lodbench[{extra}]', or "
             "decompress with: npx @gltf-transform/cli copy IN OUT"
         )
+    return import_module(module)
 
 
 def decode_draco(
@@ -39,14 +42,16 @@ def decode_draco(
     attributes
         Draco's ids of the attributes, by glTF's names.
     """
-    _require("DracoPy", DRACO, "draco")
-    import DracoPy
-
+    decoder = _decoder("DracoPy", DRACO, "draco")
     try:
-        mesh: Any = DracoPy.decode(data)
-        found: dict[int, Any] = {one["unique_id"]: one["data"] for one in mesh.attributes}
+        mesh: Any = decoder.decode(data)
+        found: dict[int, Any] = {}
+        for one in mesh.attributes:
+            found[one["unique_id"]] = one["data"]
         corners = np.asarray(mesh.faces, dtype=np.int64).ravel()
-        parts = {name: np.asarray(found[number]) for name, number in attributes.items()}
+        parts: dict[str, NDArray[Any]] = {
+            name: np.asarray(found[number]) for name, number in attributes.items()
+        }
     except Exception as error:  # the decoder raises bare ones
         raise InputError(f"{DRACO}: expected a mesh, got damaged data; export again") from error
     for name, values in parts.items():
@@ -60,21 +65,17 @@ def decode_meshopt(data: bytes, view: MeshoptView) -> bytes:
 
     Raises `InputError` without the decoder, or if the data are damaged.
     """
-    _require("meshoptimizer", MESHOPT, "meshopt")
-    import meshoptimizer
-
+    decoder = _decoder("meshoptimizer", MESHOPT, "meshopt")
     stride, count = view.byte_stride, view.count
     if not (0 < stride <= 256 and 0 < count <= _MOST_ELEMENTS):
         raise InputError(f"{MESHOPT}: expected elements of 1 to 256 bytes, got {count} of {stride}")
     raw = np.frombuffer(data, np.uint8)
     try:
         if view.mode == "ATTRIBUTES":
-            plain = meshoptimizer.decode_vertex_buffer(count, stride, raw)
-            return _filtered(plain, view)
+            plain = decoder.decode_vertex_buffer(count, stride, raw)
+            return _filtered(decoder, plain, view)
         triangles = view.mode == "TRIANGLES"
-        decode: Any = (
-            meshoptimizer.decode_index_buffer if triangles else meshoptimizer.decode_index_sequence
-        )
+        decode = decoder.decode_index_buffer if triangles else decoder.decode_index_sequence
         # The data do not depend on the size of an index, and the package mixes up short ones.
         corners = np.asarray(decode(count, 4, raw)).ravel()
     except Exception as error:  # the decoder raises bare ones
@@ -82,14 +83,11 @@ def decode_meshopt(data: bytes, view: MeshoptView) -> bytes:
     return corners.astype("<u2" if stride == 2 else "<u4").tobytes()
 
 
-def _filtered(plain: Any, view: MeshoptView) -> bytes:
+def _filtered(decoder: Any, plain: Any, view: MeshoptView) -> bytes:
     """Return a vertex buffer with the filter undone that it was stored with."""
-    import meshoptimizer
-
     data = np.ascontiguousarray(np.asarray(plain)).view(np.uint8).reshape(view.count, -1)
     name = {"OCTAHEDRAL": "oct", "QUATERNION": "quat", "EXPONENTIAL": "exp"}.get(view.filter)
     if name is not None:
-        undo: Any = getattr(meshoptimizer, f"decode_filter_{name}")
-        done: Any = undo(data, view.count, view.byte_stride)
-        data = data if done is None else np.asarray(done)
-    return data.tobytes()
+        data = getattr(decoder, f"decode_filter_{name}")(data, view.count, view.byte_stride)
+    whole: bytes = data.tobytes()
+    return whole

@@ -38,7 +38,7 @@ def counted_types(document: Document, things: list[Thing], axes: FloatArray) -> 
                 "files beside the glTF"
             )
         points: list[FloatArray] = []
-        for placed in thing.levels[0]:
+        for placed in (placed for level in thing.levels for placed in level):
             counts[row] += count_mesh(document, placed.mesh)
             points.append(_corners(document, placed) @ (axes @ thing.transform[:3, :3]).T)
         cloud = np.concatenate(points)

@@ -32,7 +32,7 @@ def count_content(path: Path) -> FloatArray | None:
         return None
     try:
         return _count(path.read_bytes(), path.parent)
-    except (InputError, OSError, ValueError, TypeError, RecursionError):
+    except (InputError, OSError, ValueError, TypeError, LookupError, RecursionError):
         return None
 
 
