@@ -2,10 +2,10 @@
 
 Successive frames are alike, so that the interval cannot come from the spread of single frames.
 Each capture is cut into blocks of successive frames, which are drawn with replacement until there
-are as many frames again (the circular block bootstrap of Politis and Romano, 1992); of 500 such pairs of
-captures, the middle 95 % of the differences are the interval, widened as Student's t is for as few
-blocks as there are.  A block is some two seconds long, or a tenth of a short capture: longer than
-what makes neighbours alike, such as a hitch and its aftermath.
+are as many frames again (the circular block bootstrap of Politis and Romano, 1992); of 500 such
+pairs of captures, the middle 95 % of the differences are the interval, widened as Student's t is
+for as few blocks as there are.  A block is some two seconds long, or a tenth of a short capture:
+longer than what makes neighbours alike, such as a hitch and its aftermath.
 
 It covers another capture of the same scene on the same machine in the same state.  What changes
 between runs of a game, no single pair of captures can tell.

@@ -100,9 +100,8 @@ def chart(frame_ms: FloatArray, width: int = _WIDTH) -> list[str]:
         "slowest": [float(part.max()) for part in parts],
         "median": [float(np.median(part)) for part in parts],
     }
-    lines = [
-        f"{name:>8} {''.join(_bar(value, top) for value in row)}" for name, row in rows.items()
-    ]
+    bars = {name: "".join(_bar(value, top) for value in row) for name, row in rows.items()}
+    lines = [f"{name:>8} {text}" for name, text in bars.items()]
     return [*lines, f"{'':8} a full bar is {top:.3g} ms or more; {len(frame_ms):,} frames"]
 
 

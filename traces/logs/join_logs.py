@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .render_log import ColumnSource, RenderLog
+from .render_log import RenderLog
 
 _NEAREST = 0.6  # of a frame, within which a row of counts belongs to it
 _OVERLAP = 0.5  # of the shorter log, from which clocks are taken to be one
@@ -110,7 +110,7 @@ def _offset(times: RenderLog, counts: RenderLog, step_s: float) -> _Offset:
 def _by_frame_times(
     times: RenderLog, counts: RenderLog, near: float, step_s: float
 ) -> float | None:
-    """Return the offset at which both logs' frame times agree best, or None without a sign of it."""
+    """Return the offset at which both logs' frame times agree best, or None."""
     if times.frame_ms is None or counts.frame_ms is None:
         return None
     clock, other = _clock(times), _clock(counts)
@@ -152,7 +152,7 @@ def _nearest(sorted_clock: FloatArray, wanted: FloatArray) -> np.ndarray:
 
 
 def _pairs(clock: FloatArray, other: FloatArray, within_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return frames and rows that belong together, each at most once, in the order of the frames."""
+    """Return frames and rows that belong together, each at most once, by the frames' order."""
     frames = np.flatnonzero(np.isfinite(clock))
     frames = frames[np.argsort(clock[frames], kind="stable")]
     rows = np.flatnonzero(np.isfinite(other))

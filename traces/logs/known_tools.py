@@ -106,7 +106,7 @@ KNOWN_TOOLS = (
         "the summary of FrameView",
         _is_any(
             _columns("Avg FPS", "Application"),
-            lambda head, path: "frameview_summary" in path.name.lower(),
+            lambda _, path: "frameview_summary" in path.name.lower(),
         ),
         "give the log of the run itself, FrameView_…_Log.csv, which has every frame",
     ),
@@ -133,7 +133,7 @@ KNOWN_TOOLS = (
     KnownTool("a folder packed with zip, as .xlsx is", _magic(b"PK\x03\x04"), "save it as CSV"),
     KnownTool(
         "a trace of Perfetto or of Chrome",
-        lambda head, path: path.suffix in (".perfetto-trace", ".pftrace"),
+        lambda _, path: path.suffix in (".perfetto-trace", ".pftrace"),
         "export the counters as CSV",
     ),
     KnownTool(

@@ -7,6 +7,7 @@ are headers that stand again between the rows, as where captures were appended.
 
 import csv
 from array import array
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -119,27 +120,33 @@ def _is_numeric(rows: Sequence[Sequence[str]], column: int, delimiter: str) -> b
     told = [cell for cell in cells if cell not in MISSING]
     commas = comma_style(told, delimiter)
     numbers = sum(number_of(cell, commas) is not None for cell in told)
-    return numbers > 0.8 * len(told)
+    return bool(told) and numbers > 0.8 * len(told)
 
 
 def cut_to(table: LogTable, columns: Sequence[int]) -> tuple[LogTable, tuple[str, ...]]:
     """Return a table of the columns up to the last that is needed, all rows of one length.
 
-    Rows that do not reach it become blank lines, so that lines keep their numbers, and are counted.
+    Rows that do not reach it become blank lines, so that lines keep their numbers, and are counted;
+    so do shorter rows of another length than most, in which a column may be missing anywhere.
     """
-    needed = max(columns, default=-1) + 1
+    needed, width = max(columns, default=-1) + 1, _require_columns(table)
+    usual = Counter(len(row) for row in table.sample()).most_common(1)
+    lengths = {width, *(length for length, _ in usual)}
     lines = [""] * (table.body.count(b"\n") + 1)
     short = rows = 0
     for line, fields in table.rows():
         rows += 1
-        if len(fields) < needed:
+        odd = len(fields) < width and len(fields) not in lengths
+        if len(fields) < needed or odd or _is_shifted(fields, width):
             short += 1
             continue
         kept = fields[:needed]
         if any(table.delimiter in field or '"' in field for field in kept):
             kept = [field.replace(table.delimiter, " ").replace('"', "") for field in kept]
         lines[line - table.first_line] = table.delimiter.join(kept)
-    notes = (f"{short:,} of {rows:,} rows lack columns and are left aside",) if short else ()
+    notes: tuple[str, ...] = ()
+    if short:
+        notes = (f"{short:,} of {rows:,} rows lack columns, or have too many: left aside",)
     body = "\n".join(lines).encode("utf-8")
     return replace(table, header=table.header[:needed], body=body), notes
 
@@ -217,21 +224,22 @@ def _fields(text: str, delimiter: str) -> list[str]:
 
 def exact_numbers(table: LogTable, columns: Sequence[int]) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the numbers of a table, row by row, and what was odd; the exact and slow way."""
-    _require_points(table)
+    width = _require_columns(table)
     table, cut = _without_cut_row(table)
     needed = max(columns, default=-1) + 1
     commas = comma_style(
         [row[c].strip() for row in table.sample() for c in columns if c < len(row)],
         table.delimiter,
     )
-    values, odd, short, rows = array("d"), OddCells(), 0, 0
+    values, odd, short, aside, rows = array("d"), OddCells(), 0, 0, 0
     for _, fields in table.rows():
         rows += 1
-        if len(fields) < needed and not table.ragged:
-            if len(fields) < 2 and needed > 1:  # a word or a mark between the rows
-                short += 1
+        if not table.ragged:
+            # A word between the rows is no frame; a row with too many numbers is of unsure columns.
+            if len(fields) < min(needed, 2) or (len(fields) > width and _is_shifted(fields, width)):
+                aside += 1
                 continue
-            short += 1
+            short += len(fields) < needed
         for column in columns:
             field = fields[column] if column < len(fields) else ""
             try:
@@ -244,7 +252,11 @@ def exact_numbers(table: LogTable, columns: Sequence[int]) -> tuple[FloatArray, 
                 number = np.nan
             values.append(number)
     array_of = np.array(values, dtype=np.float64).reshape(-1, len(columns))
-    kept, notes = _kept(table, array_of, columns, odd, short, rows)
+    kept, notes = _kept(table, array_of, columns, odd)
+    if short:
+        notes.append(f"{short:,} of {rows:,} rows lack columns that are needed: missing values")
+    if aside:
+        notes.append(f"{aside:,} of {rows:,} rows have too few or too many columns: left aside")
     return kept, (*notes, *cut)
 
 
@@ -265,13 +277,8 @@ def _kept(
     values: FloatArray,
     columns: Sequence[int],
     odd: OddCells,
-    short: int,
-    rows: int,
-) -> tuple[FloatArray, tuple[str, ...]]:
+) -> tuple[FloatArray, list[str]]:
     notes = list(odd.notes())
-    if short:
-        lack = "lacks columns that are needed" if short == 1 else "lack columns that are needed"
-        notes.append(f"{short:,} of {rows:,} rows {lack}")
     repeated = len(repeated_headers(table))
     if repeated:
         notes.append(f"the header stands {repeated} more times between the rows: captures appended")
@@ -280,19 +287,38 @@ def _kept(
         got = f"got such as {odd.examples[name]!r}" if name in odd.examples else "got none"
         message = f"expected numbers in column {name}, {got}; is it the right column?"
         raise InputError(message, path=table.path, line=table.first_line)
-    return values, tuple(notes)
+    return values, notes
 
 
-def _require_points(table: LogTable) -> None:
-    """Refuse numbers whose decimal commas cannot be told from the commas between columns."""
-    rows = table.sample()
-    longer = [row for row in rows if len([f for f in row if f.strip()]) > len(table.header)]
-    if table.delimiter != "," or len(longer) <= len(rows) // 2:
-        return
-    if not any("." in field for row in longer for field in row):
-        message = f"expected {len(table.header)} columns as in the header, got {len(longer[0])}"
-        hint = "decimal commas? export numbers with a point"
-        raise InputError(f"{message}; {hint}", path=table.path, line=table.first_line)
+def _require_columns(table: LogTable) -> int:
+    """Return the width of rows that are in order.
+
+    Raises `InputError` if most rows have columns that cannot be told apart: they are separated by
+    another mark than the header's, or hold commas of numbers between the commas of columns.
+    """
+    width, rows = len(table.header), table.sample()
+    marks = [mark for mark in _DELIMITERS if mark != table.delimiter]
+    single = [row for row in rows if len(row) == 1 and any(mark in row[0] for mark in marks)]
+    expected = f"expected {width} columns as in the header"
+    if len(single) > len(rows) // 2:
+        hint = f"rows must use the delimiter of the header, {table.delimiter!r}"
+        raise InputError(f"{expected}, got 1; {hint}", path=table.path, line=table.first_line)
+    longer = [row for row in rows if _is_shifted(row, width)]
+    if len(longer) <= len(rows) // 2 or not longer:
+        return width
+    if table.delimiter != ",":
+        return max(len(row) for row in longer)  # columns without a name
+    hint = "decimal commas, or thousands? export numbers with a point and no commas"
+    raise InputError(
+        f"{expected}, got {len(longer[0])}; {hint}", path=table.path, line=table.first_line
+    )
+
+
+def _is_shifted(fields: Sequence[str], width: int) -> bool:
+    """Return whether a row has more numbers than the header has names, so that none is sure."""
+    return any(
+        field.strip() and number_of(field, "thousands") is not None for field in fields[width:]
+    )
 
 
 def arrow_numbers(table: LogTable, columns: Sequence[int]) -> FloatArray | None:

@@ -1,7 +1,7 @@
 """Whether frame intervals are tied to a refresh or a limiter, and so carry no cost.
 
-Three signs, each over several periods and each with a control, since intervals of an honest renderer
-that happens to run near a refresh look like those of a capped one:
+Three signs, each over several periods and each with a control, since intervals of an honest
+renderer that happens to run near a refresh look like those of a capped one:
 
 - **quantised**: intervals lie at two or more different multiples of a refresh, and hardly between;
 - **locked**: the moments of presenting keep their phase in the refresh (Rayleigh's test), which the
@@ -109,8 +109,8 @@ def _locked(time_ms: FloatArray) -> float | None:
         if length < _LOCKED:
             continue
         rng = np.random.default_rng(0)
-        others = [_resultant(rng.permutation(time_ms), rate)[0] for _ in range(3)]
-        if float(np.median(others)) < _CONTROL * length:
+        others = [_resultant(rng.permutation(time_ms), rate)[0] for _ in range(5)]
+        if max(others) < _CONTROL * length:
             return hz
     return None
 

@@ -1,8 +1,8 @@
 """Whether the times of a log are of earlier frames than its counts: a timer read back late.
 
 An engine that reads a GPU query a few frames after it was issued, and writes it into the row of the
-frame at hand, pairs each time with the counts of a later frame.  Shifted back, counts explain times;
-as they stand, they do not.
+frame at hand, pairs each time with the counts of a later frame.  Shifted back, counts explain
+times; as they stand, they do not.
 """
 
 from dataclasses import replace

@@ -159,7 +159,7 @@ def said_by(name: str) -> Words:
 
 
 def role_of(name: str) -> tuple[str, int, Words] | None:
-    """Return role, place of the pattern in it, and the words beyond pattern and `NOISE`, or None."""
+    """Return role, place of the pattern in it, and words beyond pattern and `NOISE`, or None."""
     if name in ROLES and name != "fps":
         return name, -1, frozenset()  # lodbench's own name goes before all others
     said = said_by(name)

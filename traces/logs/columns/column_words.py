@@ -1,7 +1,7 @@
 """The words of a column's name, whatever way they are joined, and the unit that the name states.
 
-``render_gpu_ms``, ``FrameGPUTime``, ``gputime [us]`` and ``Triangles (M)`` are the same few words in
-the habits of different engines.  Words are in lower case, synonyms under one word, and units and
+``render_gpu_ms``, ``FrameGPUTime``, ``gputime [us]`` and ``Triangles (M)`` are the same few words
+in the habits of different engines.  Words are in lower case, synonyms under one word, and units and
 multipliers stand apart.
 """
 

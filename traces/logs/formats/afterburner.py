@@ -1,13 +1,13 @@
 """MSI Afterburner's hardware monitoring log, ``.hml`` or ``.csv``: samples, not frames.
 
-Line ``0,`` is the version, ``1,`` the GPU, ``2,`` the names padded with blanks, ``3,`` an axis each,
-and ``80, DATE, values…`` a sample every polling period, a second by default.  Its ``Frametime`` is
+Line ``0,`` is the version, ``1,`` the GPU, ``2,`` the names padded with blanks, ``3,`` an axis
+each, and ``80, DATE, values…`` a sample every polling period, a second by default.  Its ``Frametime`` is
 that of some frame near the sample, so that few frames in a hundred are in the file.
 
 Written from files; the format has no document.
 """
 
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +77,7 @@ def _seconds(texts: list[str]) -> np.ndarray | None:
     """Return the samples' seconds since the first, or None where dates are of no known form."""
     for form in _DATES:
         try:
-            times = [datetime.strptime(text, form) for text in texts]
+            times = [datetime.strptime(text, form).replace(tzinfo=UTC) for text in texts]
         except ValueError:
             continue
         return np.array([(time - times[0]).total_seconds() for time in times])

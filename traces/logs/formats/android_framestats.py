@@ -1,8 +1,8 @@
 """Android's ``dumpsys gfxinfo PACKAGE framestats``: the last 120 frames of each window.
 
 Between two lines ``---PROFILEDATA---`` stands a table of time stamps in ns of the monotonic clock.
-A frame took from ``IntendedVsync`` to ``FrameCompleted``; rows whose ``Flags`` are not 0 are outside
-the ordinary (a first layout, a resize) and left aside, as Android's documentation says.
+A frame took from ``IntendedVsync`` to ``FrameCompleted``; rows whose ``Flags`` are not 0 are
+outside the ordinary (a first layout, a resize) and left aside, as Android's documentation says.
 
 Source: AOSP ``frameworks/base/libs/hwui/FrameInfo.h``; developer.android.com, test UI performance.
 """

@@ -2,8 +2,9 @@
 
 There is no standard file: the columns are the counters' names (``Draw Calls Count``, ``Triangles
 Count``, ``GPU Frame Time``…).  Counters of time are nanoseconds, the ``FrameTiming`` struct has
-milliseconds, and scripts write either, so the unit comes from the values.  ``cpu_ms`` is the longer of main and render thread.  Profile Analyzer's frame
-CSV (``Frame Time (ms)`` between semicolons) is read for its times.
+milliseconds, and scripts write either, so the unit comes from the values.  ``cpu_ms`` is the longer
+of main and render thread.  Profile Analyzer's frame CSV (``Frame Time (ms)`` between semicolons) is
+read for its times.
 """
 
 from pathlib import Path
