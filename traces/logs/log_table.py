@@ -127,23 +127,25 @@ def cut_to(table: LogTable, columns: Sequence[int]) -> tuple[LogTable, tuple[str
     """Return a table of the columns up to the last that is needed, all rows of one length.
 
     Rows that do not reach it become blank lines, so that lines keep their numbers, and are counted;
-    so do shorter rows of another length than most, in which a column may be missing anywhere.
+    so do rows that are shorter than most, in which a column may be missing anywhere.
     """
     needed, width = max(columns, default=-1) + 1, _require_columns(table)
     usual = Counter(len(row) for row in table.sample()).most_common(1)
-    lengths = {width, *(length for length, _ in usual)}
+    least = max(needed, min(usual[0][0] if usual else 0, width))
     lines = [""] * (table.body.count(b"\n") + 1)
     short = rows = 0
     for line, fields in table.rows():
         rows += 1
-        odd = len(fields) < width and len(fields) not in lengths
-        if len(fields) < needed or odd or _is_shifted(fields, width):
+        if len(fields) < least or _is_shifted(fields, width):
             short += 1
             continue
-        kept = fields[:needed]
-        if any(table.delimiter in field or '"' in field for field in kept):
-            kept = [field.replace(table.delimiter, " ").replace('"', "") for field in kept]
-        lines[line - table.first_line] = table.delimiter.join(kept)
+        quoted = (
+            '"' + field.replace('"', '""') + '"'
+            if table.delimiter in field or '"' in field
+            else field
+            for field in fields[:needed]
+        )
+        lines[line - table.first_line] = table.delimiter.join(quoted)
     notes: tuple[str, ...] = ()
     if short:
         notes = (f"{short:,} of {rows:,} rows lack columns, or have too many: left aside",)

@@ -115,7 +115,7 @@ LAST = OWN.splitlines()[-1]
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (OWN.split("0,0.0")[0] + LAST.replace(",", ";"), "delimiter of the header, ','"),
+        (OWN.split("0,0.0", 1)[0] + LAST.replace(",", ";"), "delimiter of the header, ','"),
         (OWN.split("\n", 2)[2], "expected a header row"),
         (OWN.replace("cpu_ms", "gpu_ms"), "one column gpu_ms, got 2"),
         (OWN.split("0,0.0", 1)[0], "rows below the header, got none"),

@@ -1,8 +1,8 @@
 """MSI Afterburner's hardware monitoring log, ``.hml`` or ``.csv``: samples, not frames.
 
 Line ``0,`` is the version, ``1,`` the GPU, ``2,`` the names padded with blanks, ``3,`` an axis
-each, and ``80, DATE, values…`` a sample every polling period, a second by default.  Its ``Frametime`` is
-that of some frame near the sample, so that few frames in a hundred are in the file.
+each, and ``80, DATE, values…`` a sample every polling period, a second by default.  Its
+``Frametime`` is that of some frame near the sample, so that few frames in a hundred are there.
 
 Written from files; the format has no document.
 """

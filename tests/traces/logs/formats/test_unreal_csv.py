@@ -97,7 +97,7 @@ def test_a_mapping_reads_a_pass_instead(tmp_path: Path):
 
 
 def test_broken_captures_are_refused(tmp_path: Path):
-    """No rows, no header where the metadata say there is one; words for numbers are missing values."""
+    """No rows, no header where the metadata say so; words for numbers are missing values."""
     with pytest.raises(InputError, match="rows below the header, got none"):
         read_unreal_csv(capture(tmp_path, FIRST, FIRST, METADATA))
     with pytest.raises(InputError, match="expected the header before the metadata"):
