@@ -132,7 +132,7 @@ def fit(
     paths, terms, target = _choose_logs(logs or [], bundled, terms, target)
     noise = _one_of("--model", model, ("student-t", "gaussian"))
     sampler = SamplerOptions(walkers, steps, seed)
-    settings = FitOptions(terms, noise, heldout, first_frames, _frames(lag), sampler)
+    settings = FitOptions(terms, noise, heldout, first_frames, sampler, _frames(lag))
     columns = parse_columns(mapping) or None
     sources = _read_sources(paths, columns, log_format, join)
     if target is None:

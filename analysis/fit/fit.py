@@ -53,8 +53,8 @@ class FitOptions:
     model: Model = "student-t"
     heldout: str = AUTO
     first_frames: int | None = None
-    lag: int | None = None
     sampler: SamplerOptions = field(default_factory=SamplerOptions)
+    lag: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

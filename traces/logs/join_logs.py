@@ -5,6 +5,7 @@ Their clocks may begin at different moments, so the offset is looked for: none, 
 where the counts come with frame times, the shift at which both logs' frame times agree best.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +18,14 @@ _NEAREST = 0.6  # of a frame, within which a row of counts belongs to it
 _OVERLAP = 0.5  # of the shorter log, from which clocks are taken to be one
 _FEWEST = 30  # frames that must be joined
 _AGREE = 0.5  # correlation of frame times from which a shift is believed
-_SHIFTS = 400  # frames, either way
+_SHIFTS = 2_000  # half frames, either way
 
 
 @dataclass(frozen=True, slots=True)
 class _Offset:
     seconds: float
     why: str
+    doubt: str = ""
 
 
 def join_by_time(times: RenderLog, counts: RenderLog) -> RenderLog:
@@ -69,7 +71,7 @@ def join_by_time(times: RenderLog, counts: RenderLog) -> RenderLog:
         counts=counts.counts[rows],
         **columns,
         notes=(*times.notes, *counts.notes, note),
-        warnings=(*_still_true(times), *counts.warnings),
+        warnings=(*filter(None, (offset.doubt,)), *_still_true(times), *counts.warnings),
         sources=(*times.sources, *(s for s in counts.sources if s.name in counts.predictors)),
         timings=None,
     )
@@ -99,16 +101,23 @@ def _offset(times: RenderLog, counts: RenderLog, step_s: float) -> _Offset:
     shortest = min(end - start for start, end in ends)
     begins = ends[0][0] - ends[1][0]
     one_clock = shared >= _OVERLAP * shortest
-    found = _by_frame_times(times, counts, 0.0 if one_clock else begins, step_s)
+    tried = (0.0, begins) if one_clock else (begins,)
+    found = _by_frame_times(times, counts, tried, step_s)
     if found is not None:
         return _Offset(found, f"clocks {found:+.4g} s apart by their frame times")
+    doubt = ""
+    if times.frame_ms is not None and counts.frame_ms is not None:
+        doubt = (
+            "their frame times agree at no shift of the clocks: make sure that both are of one run"
+        )
     if one_clock:
-        return _Offset(0.0, "on one clock")
-    return _Offset(begins, "taken to begin together, as nothing says how far the clocks are apart")
+        return _Offset(0.0, "on one clock", doubt)
+    why = "taken to begin together, as nothing says how far the clocks are apart"
+    return _Offset(begins, why, doubt)
 
 
 def _by_frame_times(
-    times: RenderLog, counts: RenderLog, near: float, step_s: float
+    times: RenderLog, counts: RenderLog, tried: Sequence[float], step_s: float
 ) -> float | None:
     """Return the offset at which both logs' frame times agree best, or None."""
     if times.frame_ms is None or counts.frame_ms is None:
@@ -122,8 +131,8 @@ def _by_frame_times(
     at, values = clock[good][order], times.frame_ms[good][order]
     rows, wanted = other[also], counts.frame_ms[also]
     best, best_s = _AGREE, None
-    for shift in range(-_SHIFTS, _SHIFTS + 1):
-        offset = near + 0.5 * shift * step_s
+    steps = 0.5 * step_s * np.arange(-_SHIFTS, _SHIFTS + 1)
+    for offset in np.concatenate([near + steps for near in tried]).tolist():
         inside = (rows + offset >= at[0]) & (rows + offset <= at[-1])
         if inside.sum() < max(_FEWEST, _OVERLAP * min(len(rows), len(at))):
             continue

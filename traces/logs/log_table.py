@@ -18,6 +18,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.files.text_file import read_text
+from .columns.column_roles import role_of
 from .log_cells import MISSING, OddCells, comma_style, number_of
 
 MOST_CELLS = 30_000_000
@@ -203,7 +204,7 @@ def _headed(
 ) -> LogTable:
     delimiter = max(_DELIMITERS, key=text.count)
     line = first_line - 1
-    if delimiter not in text:
+    if delimiter not in text and role_of(text) is None:  # one column of times needs no mark
         message = "expected columns separated by commas, semicolons or tabs"
         raise InputError(f"{message}, got {text[:60]!r}", path=path, line=line)
     header = tuple(name.strip() for name in _fields(text, delimiter))
