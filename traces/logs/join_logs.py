@@ -12,6 +12,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
+from .log_build import STEPS
 from .render_log import RenderLog
 
 _NEAREST = 0.6  # of a frame, within which a row of counts belongs to it
@@ -106,7 +107,7 @@ def _offset(times: RenderLog, counts: RenderLog, step_s: float) -> _Offset:
     if found is not None:
         return _Offset(found, f"clocks {found:+.4g} s apart by their frame times")
     doubt = ""
-    if times.frame_ms is not None and counts.frame_ms is not None:
+    if _have_times(times, counts):
         doubt = (
             "their frame times agree at no shift of the clocks: make sure that both are of one run"
         )
@@ -120,8 +121,10 @@ def _by_frame_times(
     times: RenderLog, counts: RenderLog, tried: Sequence[float], step_s: float
 ) -> float | None:
     """Return the offset at which both logs' frame times agree best, or None."""
-    if times.frame_ms is None or counts.frame_ms is None:
+    if not _have_times(times, counts):
         return None
+    assert times.frame_ms is not None
+    assert counts.frame_ms is not None
     clock, other = _clock(times), _clock(counts)
     good = np.isfinite(clock) & (times.frame_ms > 0.0)
     also = np.isfinite(other) & (counts.frame_ms > 0.0)
@@ -146,6 +149,15 @@ def _by_frame_times(
     inside = (rows + best_s >= at[0]) & (rows + best_s <= at[-1])
     seen_at = at[_nearest(at, rows[inside] + best_s)]
     return best_s + float(np.median(seen_at - rows[inside] - best_s))
+
+
+def _have_times(*logs: RenderLog) -> bool:
+    """Return whether all logs have frame times that are no steps of their clocks."""
+    return all(
+        log.frame_ms is not None
+        and not any(s.name == "frame_ms" and s.source.startswith(STEPS) for s in log.sources)
+        for log in logs
+    )
 
 
 def _correlation(one: FloatArray, other: FloatArray) -> float:

@@ -11,9 +11,12 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from .columns.column_roles import smell_of
-from .columns.column_units import settle_units
-from .log_columns import MS_PER, TIMED, FoundColumns, LogColumn
+from .columns.column_units import clock_unit, settle_units
+from .log_columns import MS_PER, TIMED, FoundColumns, LogColumn, no_time
 from .render_log import TIMES, ColumnSource, RenderLog
+
+STEPS = "the steps of"
+"""How the source of frame times begins that are those of a clock, where the file has no others."""
 
 _BACKWARDS = 0.05  # share of steps back, above which a column is no clock
 
@@ -49,7 +52,9 @@ def build_log(
 
     Where the header states a resolution, ``framebuffer_pixels`` is a predictor.
 
-    Raises `InputError` if the unit of a time cannot be told.
+    Where the file has a clock and no time, frame times are its steps.
+
+    Raises `InputError` if the unit of a time cannot be told, or the only time is no clock.
 
     Parameters
     ----------
@@ -66,7 +71,12 @@ def build_log(
         settled = settle_units(columns, values, _refusal(path))
         columns, why = settled.columns, settled.why
     times, sources = _times(columns, values, why)
-    clock, clock_source, clock_note = _clock(columns, values, times.get("frame_ms"))
+    clock, clock_source, clock_note = _clock(columns, values, times, _refusal(path))
+    if not times:
+        if clock is None:
+            raise no_time([c.source for c in columns], path, None)
+        times["frame_ms"] = np.diff(clock, prepend=np.nan) * 1e3
+        sources.append(ColumnSource("frame_ms", f"{STEPS} {clock_source[0].source}", "ms"))
     counts = {
         c.name: values[:, i] * c.multiplier for i, c in enumerate(columns) if c.name not in TIMED
     }
@@ -125,7 +135,10 @@ def _times(
 
 
 def _clock(
-    columns: Sequence[LogColumn], values: FloatArray, frame_ms: FloatArray | None
+    columns: Sequence[LogColumn],
+    values: FloatArray,
+    times: dict[str, FloatArray],
+    refuse: Callable[[str], InputError],
 ) -> tuple[FloatArray | None, list[ColumnSource], list[str]]:
     """Return the clock in seconds; what runs backwards again and again is none, and warned of."""
     place = next((i for i, c in enumerate(columns) if c.name == "time_s"), None)
@@ -140,7 +153,10 @@ def _clock(
             f"is a frame's time, --map frame_ms={column.source}"
         )
         return None, [], [warning]
-    unit = column.unit or _clock_unit(clock, frame_ms)
+    if times:
+        unit = column.unit or _clock_unit(clock, times.get("frame_ms"))
+    else:
+        unit = column.unit or clock_unit(column, clock, refuse)
     source = ColumnSource("time_s", column.source, unit)
     return _scaled(clock, MS_PER[unit] / 1e3), [source], []
 

@@ -87,7 +87,7 @@ def find_columns(
     name is taken.
 
     Raises `InputError` if the mapping names what does not exist or one column for two names, a
-    column that is needed stands twice, or none holds a time.
+    column that is needed stands twice, or none holds a time or is a clock.
     """
     head = _Header(header, path, line, twins)
     if len(header) > MOST_COLUMNS:
@@ -101,8 +101,8 @@ def find_columns(
         elif name == "fps" and not any(column.name in TIMES for column in found):
             index = ranked[0][1]
             found.append(LogColumn("frame_ms", index, header[index], "fps"))
-    if not any(column.name in TIMES for column in found):
-        raise _no_time(head)
+    if not any(column.name in TIMED for column in found):
+        raise no_time(header, path, line)
     taken = {column.index for column in found}
     found += [
         LogColumn(name, index, name, "")
@@ -188,11 +188,13 @@ def _column(name: str, index: int, head: _Header) -> LogColumn:
     return LogColumn(name, index, source, "", words.multiplier)
 
 
-def _no_time(head: _Header) -> InputError:
-    shown = ", ".join(head.names[:12]) + (", …" if len(head.names) > 12 else "")
-    likely = next((name for name in head.names if smell_of(name) == "time"), "NAME")
+def no_time(header: Sequence[str], path: Path, line: int | None) -> InputError:
+    """Return the error about columns of which none is a time, with the mapping that would help."""
+    shown = ", ".join(header[:12]) + (", …" if len(header) > 12 else "")
+    likely = next((name for name in header if smell_of(name) == "time"), "NAME")
     message = f"expected a column with a time ({', '.join(TIMES)}), got {shown[:120]}"
-    return head.error(f"{message}; map one, such as --map gpu_ms={likely}")
+    advice = f"map one, such as --map gpu_ms={likely}"
+    return InputError(f"{message}; {advice}", path=path, line=line)
 
 
 def _mapped(mapping: Mapping[str, str], head: _Header) -> list[LogColumn]:

@@ -95,6 +95,13 @@ def alike(rng: np.random.Generator, frames: int, mean_ms: float) -> FloatArray:
     return mean_ms + 0.5 * values[200:]
 
 
+@pytest.fixture
+def few_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw 60 captures in place of 500."""
+    monkeypatch.setattr("lodbench.analysis.captures.capture_compare.DRAWS", 60)
+
+
+@pytest.mark.usefixtures("few_draws")
 def test_equal_captures_do_not_differ_and_slower_ones_do():
     """The sign is that of B minus A, and a difference of 20 % is seen."""
     rng = np.random.default_rng(3)
@@ -107,6 +114,7 @@ def test_equal_captures_do_not_differ_and_slower_ones_do():
     assert slower["interval"][0] < 2.4 < slower["interval"][1]
 
 
+@pytest.mark.usefixtures("few_draws")
 def test_the_same_seed_gives_the_same_intervals():
     """Two calls agree; another seed moves the interval a little."""
     rng = np.random.default_rng(4)
@@ -116,8 +124,8 @@ def test_the_same_seed_gives_the_same_intervals():
 
 
 def test_blocks_are_of_two_seconds_and_ten_at_least():
-    """At 60 Hz 120 frames; of a capture of 300 frames, 30."""
-    assert block_frames(np.full(6_000, 1e3 / 60)) == 120
+    """Of 16 ms 125 frames; of a capture of 300 frames, 30."""
+    assert block_frames(np.full(6_000, 16.0)) == 125
     assert block_frames(np.full(300, 1e3 / 60)) == 30
 
 

@@ -14,7 +14,7 @@ def log_of(tmp_path: Path, mapping: dict[str, str] | None = None, **columns: flo
     """Read 50 rows of columns with these medians; a column called time runs on by its value."""
     rows = np.outer(np.linspace(0.9, 1.1, 50), list(columns.values()))
     for place, name in enumerate(columns):
-        if name.startswith("time"):
+        if name.startswith("time"):  # time, timestamp, time_s
             rows[:, place] = np.arange(50) * columns[name]
     path = tmp_path / "units.csv"
     lines = [",".join(columns), *(",".join(f"{cell:.9g}" for cell in row) for row in rows)]
@@ -86,6 +86,20 @@ def test_a_column_that_jumps_back_and_forth_is_no_clock(tmp_path: Path):
     log = read_render_log(path)
     assert log.time_s is None
     assert "time runs backwards" in log.warnings[0]
+
+
+def test_a_clock_alone_has_the_frame_times_in_its_steps(tmp_path: Path):
+    """Its unit comes from their size; a column that is no clock is refused with the mapping."""
+    log = log_of(tmp_path, timestamp=16_667.0, gpu=5.0, tris=1e5)
+    assert np.nanmedian(log.time("frame_ms")) == pytest.approx(16.667)
+    assert "frame_ms is the steps of timestamp in ms" in log.notes
+    assert any("smells of a time: gpu" in warning for warning in log.warnings)
+    path = tmp_path / "log.csv"
+    rows = [f"{7.0 + 3.0 * (-1) ** k},9" for k in range(40)]
+    path.write_text("\n".join(["time,tris", *rows]) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match="--map gpu_ms=time"):
+        read_render_log(path)
+    assert len(read_render_log(path, {"gpu_ms": "time"})) == 40
 
 
 def test_frame_rates_serve_where_there_is_no_time(tmp_path: Path):

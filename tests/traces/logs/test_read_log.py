@@ -119,7 +119,7 @@ LAST = OWN.splitlines()[-1]
         (OWN.split("\n", 2)[2], "expected a header row"),
         (OWN.replace("cpu_ms", "gpu_ms"), "one column gpu_ms, got 2"),
         (OWN.split("0,0.0", 1)[0], "rows below the header, got none"),
-        (OWN.replace("_ms", ""), "a column with a time"),
+        (OWN.replace("_ms", "").replace("time_s", "where"), "a column with a time"),
         ("", "empty file"),
         (OWN + "\0\1\2", "zero byte"),
         (OWN.encode() + b"\xff\xfe\xfa", "expected UTF-8 text, got byte 0xff"),

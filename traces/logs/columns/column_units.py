@@ -74,6 +74,15 @@ def settle_units(
     return Settled(tuple(settled), why)
 
 
+def clock_unit(column: LogColumn, values: FloatArray, refuse: Callable[[str], InputError]) -> str:
+    """Return the unit of a clock without frame times beside it, by the size of its steps.
+
+    Raises `InputError` if they may be of two.
+    """
+    step = _median(np.diff(values[np.isfinite(values)]))
+    return "s" if step is None else _frame_unit(column, step, None, refuse)[0]
+
+
 def _median(values: FloatArray) -> float | None:
     good = values[np.isfinite(values) & (values > 0.0)]
     return float(np.median(good)) if len(good) else None
