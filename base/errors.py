@@ -22,7 +22,7 @@ Kind = TypeVar("Kind")
 LONGEST = 300
 """Characters of a message; of a longer one the middle is left out, not what to do."""
 
-_END = 100
+_END = 180
 
 
 def printable(text: str) -> str:

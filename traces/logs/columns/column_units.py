@@ -23,6 +23,7 @@ _NAMED_MS = (0.002, 1e4)  # what a name's own unit is believed within
 _AGREES = 3.0  # factor within which frame times add up to a clock's time
 _ROOM = 3.0  # frames that a busy time may fill
 _LITTLE = 2e3  # part of a frame, below which a busy time is none
+_ALIKE = 0.01  # part of a frame, from which a busy time is in the frame's unit for sure
 _NAMES = {"ns": "nanoseconds", "us": "microseconds", "ms": "milliseconds", "s": "seconds"}
 
 
@@ -152,9 +153,12 @@ def _busy_unit(
             if interval_ms / _LITTLE <= median * MS_PER[unit] <= _ROOM * interval_ms
         ]
         if frame is not None and frame[1] in room:
-            return frame[1], f"{_NAMES[frame[1]]}, as the frame times"
+            if median * MS_PER[frame[1]] >= _ALIKE * interval_ms:
+                return frame[1], f"{_NAMES[frame[1]]}, as the frame times"
         if len(room) == 1:
             return room[0], f"{_NAMES[room[0]]}, since no other fits into a frame"
+        if len(room) > 1:
+            raise _ask(column, median, room, refuse)
         possible = [unit for unit in possible if unit in room] or possible
     usual = _usual(median)
     small = median * MS_PER["ms"] < _USUAL_MS[0] and "ms" in possible  # a fast GPU, or seconds
