@@ -105,7 +105,7 @@ def test_a_format_that_fails_to_recognise_is_an_input_error(given: Path) -> None
 
 
 def test_a_fault_of_ours_is_no_input_error(given: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What one of our own readers raises by mistake stays a traceback."""
+    """What our own reader of traces raises by mistake stays a traceback; a log's names the file."""
 
     def fail(*_: object) -> Any:
         raise ZeroDivisionError
@@ -115,7 +115,7 @@ def test_a_fault_of_ours_is_no_input_error(given: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(LOG_FORMATS, "_users", {"ours": LogFormat("l", fail, fail)})
     with pytest.raises(ZeroDivisionError):
         read_trace(str(given))
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(InputError, match="cannot be read .ZeroDivisionError"):
         read_render_log(given)
 
 
