@@ -109,22 +109,37 @@ class Vrr(Refreshing):
 
     A refresh takes the shortest period.  When no frame comes within the longest period the panel
     shows the old one again, and a frame that is finished meanwhile waits for that refresh to end.
+    Where the range spans a factor of two, low-framerate compensation keeps out of its way: after
+    frames that were further apart than the longest period, the next is expected as late, and the
+    old one is repeated evenly until then, in the fewest refreshes that the range allows.
     """
 
     def __init__(self, events: EventQueue, display: Display, shown: Shown, freed: Freed) -> None:
         super().__init__(events, shown, freed)
         self._shortest_ns = round(_NS_PER_S / display.refresh_hz)
         self._longest_ns = max(round(_NS_PER_S / display.vrr_min_hz), self._shortest_ns)
-        self._last_ns = -self._shortest_ns
+        # Half of what exceeds the longest period has to be a period of the range.
+        self._compensates = self._longest_ns >= 2 * self._shortest_ns
+        self._last_ns = -self._shortest_ns  # begin of the last refresh
+        self._shown_ns = -1
+        self._even_ns, self._even = self._longest_ns, 0  # repeats that are planned
 
     def _schedule(self, time_ns: int) -> None:
+        planned = min(self._even, max(0, (time_ns - self._last_ns - 1) // self._even_ns))
+        self._even -= planned
+        self._last_ns += planned * self._even_ns
         repeats = max(0, (time_ns - self._last_ns - 1) // self._longest_ns)
         self._last_ns += repeats * self._longest_ns
         at_ns = max(time_ns, self._last_ns + self._shortest_ns)
         self._events.schedule(at_ns, _PRIORITY, self._refresh, 0)
 
     def _refresh(self, time_ns: int, _subject: int) -> None:
-        self._last_ns = time_ns
+        apart_ns = time_ns - self._shown_ns if self._shown_ns >= 0 else 0
+        self._even_ns, self._even = self._longest_ns, 0
+        if self._compensates and apart_ns > self._longest_ns:
+            refreshes = -(-apart_ns // self._longest_ns)
+            self._even_ns, self._even = apart_ns // refreshes, refreshes - 1
+        self._last_ns = self._shown_ns = time_ns
         super()._refresh(time_ns, _subject)
 
 
