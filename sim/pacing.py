@@ -15,9 +15,6 @@ HISTORY_FRAMES = 60
 """Completed frames from which the next one's work is expected: as many as Chromium's compositor
 keeps (cc/scheduler/compositor_timing_history.cc)."""
 
-EXPECTED_PERCENT = 90
-"""Of them that took no longer: as there.  A spike, or one a second, does not hold back the rest."""
-
 SAFETY_NS = 1_000_000
 """Left between the expected end of a frame and its refresh: Chromium's deadline fudge factor."""
 
@@ -72,8 +69,8 @@ class Limiter:
 class JustInTime:
     """A frame begins so late that it is just finished before the refresh that it is for.
 
-    It is expected to take as long as `EXPECTED_PERCENT` of the last `HISTORY_FRAMES` at most.
-    Where frames follow each other more slowly than refreshes, or there are none, it begins so late
+    It may take as long as the slowest but one of the last `HISTORY_FRAMES`, or a refresh.  Where
+    frames mostly follow each other more slowly than refreshes, or there are none, it begins so late
     that it is submitted just before the GPU is free: to wait for a refresh would leave it idle.
     """
 
@@ -83,22 +80,25 @@ class JustInTime:
         self._fixed = display.mode in ("vsync", "mailbox")
         self._one_by_one = display.mode != "mailbox"
         self._frames_in_flight = frames_in_flight
-        self._cpu, self._gpu = _Expected(), _Expected()
+        self._cpu, self._gpu = _Times(), _Times()
         self._expected_ns = -self._period_ns  # when the frame before should be shown
         self._shown_frame, self._shown_ns = -1, -self._period_ns
 
     def start_ns(self, frame: int, time_ns: int, gpu_since_ns: int, queued: int) -> int:
         """Return when to begin so as to be in time; now if it is late, or nothing is known."""
-        cpu_ns, gpu_ns = self._cpu.value, self._gpu.value
+        cpu_ns, gpu_ns = self._cpu.median_ns, self._gpu.median_ns
         free_ns = time_ns if gpu_since_ns < 0 else max(time_ns, gpu_since_ns + gpu_ns)
         free_ns += queued * gpu_ns
-        latest_ns = free_ns - cpu_ns - SAFETY_NS
+        latest_ns = free_ns - self._cpu.slow_ns - SAFETY_NS
         if self._refreshes:
             ready_ns = max(time_ns + cpu_ns, free_ns) + gpu_ns
             self._expected_ns = self._refresh_after(frame, ready_ns)
-            slowest_ns = max(cpu_ns, gpu_ns, (cpu_ns + gpu_ns) // self._frames_in_flight)
-            if slowest_ns < self._period_ns:
-                latest_ns = int(self._expected_ns) - gpu_ns - cpu_ns - SAFETY_NS
+            apart_ns = max(cpu_ns, gpu_ns, (cpu_ns + gpu_ns) // self._frames_in_flight)
+            if apart_ns < self._period_ns:
+                # Waiting for one that takes more than a refresh would hold back all the others.
+                period_ns = int(self._period_ns)
+                slow_ns = min(self._cpu.slow_ns, period_ns) + min(self._gpu.slow_ns, period_ns)
+                latest_ns = int(self._expected_ns) - slow_ns - SAFETY_NS
         # Nothing is known of a first frame's work, and waiting may miss a refresh.
         return max(time_ns, latest_ns) if gpu_ns else time_ns
 
@@ -123,22 +123,23 @@ class JustInTime:
         return tick * self._period_ns
 
 
-class _Expected:
-    """What the next time is expected to be at most: a quantile of the last ones, 0 of none."""
+class _Times:
+    """The last `HISTORY_FRAMES` times: their median and the largest but one, 0 of none."""
 
     def __init__(self) -> None:
         self._last: deque[int] = deque()
         self._rising: list[int] = []
-        self.value = 0
+        self.median_ns = self.slow_ns = 0
 
-    def add(self, value: int) -> None:
+    def add(self, time_ns: int) -> None:
         """Add a time, and forget the one that is too old."""
         last, rising = self._last, self._rising
         if len(last) == HISTORY_FRAMES:
             del rising[bisect_left(rising, last.popleft())]
-        last.append(value)
-        insort(rising, value)
-        self.value = rising[len(rising) * EXPECTED_PERCENT // 100]
+        last.append(time_ns)
+        insort(rising, time_ns)
+        self.median_ns = rising[len(rising) // 2]
+        self.slow_ns = rising[max(len(rising) - 2, 0)]  # one alone is a hitch, two are a load
 
 
 def make_pacer(display: Display, frames_in_flight: int) -> Pacer | None:

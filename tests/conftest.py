@@ -173,7 +173,7 @@ def build_hardware(
         CpuCostModel.of(cpu_base_ms, cpu or {}),
         residual or Residual(),
         display=replace(
-            Display("immediate", pacing="none", width_px=100, height_px=100), **display
+            Display("immediate", latency_limit=0, width_px=100, height_px=100), **display
         ),
         frames_in_flight=frames_in_flight,
     )

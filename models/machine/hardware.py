@@ -38,9 +38,9 @@ class Display:
     refresh_hz: float = 60.0
     vrr_min_hz: float = 48.0
     images: int = 3
-    pacing: Pacing = "just-in-time"  # without it light frames lag by all that queues hold
+    pacing: Pacing = "none"
     limiter_hz: float = 0.0
-    latency_limit: int = 0
+    latency_limit: int = 2  # Unity's maxQueuedFrames; without it light frames fill all queues
     width_px: int = 1280
     height_px: int = 720
 

@@ -108,7 +108,7 @@ def example_at(
         How much of the nodes other than the roots fits in memory; None for all.
     """
     display = Display(
-        mode, refresh_hz, refresh_hz, images=2, pacing="none", width_px=640, height_px=360
+        mode, refresh_hz, refresh_hz, images=2, latency_limit=0, width_px=640, height_px=360
     )
     machine = HardwareProfile(
         "fixed",
