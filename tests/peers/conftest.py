@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
-ASK = "not found: peers' own code; install node and run `npm ci` in tests/peers"
+ASK = "code of peers not found: install node and run `npm ci` in tests/peers"
 """What `.ci/run` looks for: there no test of a peer may be skipped."""
 
 RunPeer = Callable[[str, dict[str, Any]], Any]

@@ -10,6 +10,7 @@ import { TilesRenderer } from '3d-tiles-renderer/three';
 
 globalThis.window = { location: { href: 'http://peer/' } };
 globalThis.requestAnimationFrame = callback => setTimeout( callback, 0 );
+globalThis.cancelAnimationFrame = clearTimeout;
 console.warn = () => {};	// that 1.1 has limited support
 
 const given = JSON.parse( readFileSync( 0, 'utf8' ) );
