@@ -92,7 +92,8 @@ class _Reader:
         """Return one value of a condition: ``none`` and ``mean`` are what they stand for."""
         if key == "faults":
             return parse_faults("" if value == "none" else str(value))
-        if value == ("mean" if key == "draws" else "none"):
+        # Of pacing, none is one of its kinds.
+        if key != "pacing" and value == ("mean" if key == "draws" else "none"):
             return None
         if key not in _NAMES and isinstance(value, str):
             self._document.fail(key, f"{key}: expected a number, got {value!r}; write a number")
