@@ -48,10 +48,13 @@ class Pipeline:
         self.events = EventQueue()
         self._pacer = make_pacer(display, frames_in_flight)
         self._latency_limit = display.latency_limit
-        self._paced = self._pacer is not None or self._latency_limit > 0
-        self._begin = self._pace if self._paced else self._start_cpu
+        paced = self._pacer is not None or self._latency_limit > 0
+        # Chosen once: a frame that nothing paces is not asked about it three times.
+        self._begin = self._pace if paced else self._start_cpu
+        self._done = self._gpu_done if self._pacer is None else self._gpu_timed
+        shown = self._left_queue if paced else self._shown
         self._left = 0  # frames that were shown or dropped
-        self._screen = make_screen(display, self.events, self._shown, self._freed)
+        self._screen = make_screen(display, self.events, shown, self._freed)
         self.completed = 0
         self.input_ns = array("q")
         self.cpu_end_ns = array("q")
@@ -112,16 +115,19 @@ class Pipeline:
         self._images_free -= 1
         self.gpu_start_ns[frame] = time_ns
         end_ns = time_ns + self._gpu_ns.popleft()
-        self.events.schedule(end_ns, _GPU_PRIORITY, self._gpu_done, frame)
+        self.events.schedule(end_ns, _GPU_PRIORITY, self._done, frame)
+
+    def _gpu_timed(self, time_ns: int, frame: int) -> None:
+        assert self._pacer is not None, "who paces learns of times"
+        cpu_ns = self.cpu_end_ns[frame] - self.input_ns[frame]
+        self._pacer.completed(cpu_ns, time_ns - self.gpu_start_ns[frame])
+        self._gpu_done(time_ns, frame)
 
     def _gpu_done(self, time_ns: int, frame: int) -> None:
         self._gpu_idle = True
         self._in_flight -= 1
         self.completed += 1
         self.gpu_end_ns[frame] = time_ns
-        if self._pacer is not None:
-            cpu_ns = self.cpu_end_ns[frame] - self.input_ns[frame]
-            self._pacer.completed(cpu_ns, time_ns - self.gpu_start_ns[frame])
         self._screen.offer(time_ns, frame)
         if self._queue and self._gpu_idle and self._images_free:
             self._start_gpu(time_ns)
@@ -130,8 +136,9 @@ class Pipeline:
 
     def _shown(self, time_ns: int, frame: int) -> None:
         self.display_ns[frame] = time_ns
-        if not self._paced:
-            return
+
+    def _left_queue(self, time_ns: int, frame: int) -> None:
+        self._shown(time_ns, frame)
         self._left += 1
         if self._pacer is not None and time_ns != DROPPED_NS:
             self._pacer.shown(frame, time_ns)

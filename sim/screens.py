@@ -84,9 +84,12 @@ class Vsync(Refreshing):
 
     def _schedule(self, time_ns: int) -> None:
         # Vblank n is at round(n · period): half a nanosecond off at most, and never accumulating.
-        tick = max(self._tick + 1, int(time_ns * self._refresh_hz / _NS_PER_S))
-        while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
-            tick += 1
+        tick = self._tick + 1
+        at_ns = round(tick * _NS_PER_S / self._refresh_hz)
+        if at_ns < time_ns:  # vblanks have passed with nothing to show
+            tick = int(time_ns * self._refresh_hz / _NS_PER_S)
+            while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
+                tick += 1
         self._tick = tick
         self._events.schedule(at_ns, _PRIORITY, self._refresh, tick)
 
