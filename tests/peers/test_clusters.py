@@ -22,7 +22,7 @@ FOVY_RAD = 1.0
 
 def projected_px(scene: Scene, node: int, camera: Camera) -> float:
     """Return error / max(distance to centre - radius, near) · cot(fovy / 2) / 2, in pixels."""
-    offset = scene.center_m[node].astype(np.float32) - np.float32(camera.position_m)
+    offset = scene.center_m[node].astype(np.float32) - np.array(camera.position_m, dtype=np.float32)
     away = np.sqrt((offset * offset).sum()) - np.float32(scene.radius_m[node])
     error = np.float32(scene.types.levels.error_m[node])
     projection = np.float32(1.0 / np.tan(camera.fovy_rad / 2.0))
