@@ -83,7 +83,8 @@ def read_trace(
     if reading.columns:
         with guarded(path, _WHAT):
             return trace_of_poses(read_columns(path, selector, reading), path, reading)
-    name = format_of(path) if format_name is None else format_name
+    with guarded(path, _WHAT):
+        name = format_of(path) if format_name is None else format_name
     known = FORMATS.find(name)
     with guarded(path, _WHAT), about_users_code(known.read, name, path):
         found = known.read(path, selector)
