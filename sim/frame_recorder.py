@@ -20,7 +20,8 @@ from .accounting.accounting import Accounting, Tally
 from .accounting.benefit_bound import BenefitBound
 from .accounting.extraction import IndexSets
 from .accounting.fronts import Fronts
-from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
+from .accounting.picture_quality import FlatQuality, TreeQuality
+from .accounting.screen_errors import ScreenErrors
 from .accounting.switches import Drawn
 from .frame_log import CountRows
 from .loader import Memory
