@@ -38,6 +38,26 @@ def test_views_of_earlier_frames_stay_as_they_were(
     assert all(array.tobytes() == before for array, before in shown)
 
 
+def test_speeds_go_by_where_candidates_were_whatever_is_kept_of_it(
+    run: Run, scripted: MakePolicy, make_scene: Callable[..., Scene]
+) -> None:
+    """Apparent speeds are those of a view that is told nothing but cameras and centres."""
+    motion = Motion(np.array([0]), np.array([3.0]), np.array([9.0]), np.zeros(1))
+    scene = make_scene([(-2.0, 0.0, -10.0), (3.0, 0.0, -9.0)], motion=motion)
+    kept = list[bool]()
+
+    def compare(view: View, selection: Selection) -> Selection:
+        last = view.state.last_placed
+        kept.append(last is not None and last[0] is view.nodes)
+        plain = View(replace(view.state, last_placed=None), view.ids, view.xyz_m)
+        np.testing.assert_allclose(view.speed_deg_s, plain.speed_deg_s, rtol=1e-9, atol=1e-12)
+        return selection
+
+    run(scripted([0, 0, 1], compare), 12, scene=scene)
+    assert any(kept)
+    assert not kept[0]
+
+
 @pytest.mark.parametrize("reused", [False, True])
 def test_details_are_compared_by_value(run: Run, scripted: MakePolicy, *, reused: bool) -> None:
     """An array that a policy fills anew each frame counts as what it holds now, and so switches."""
