@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, sum_rows
 from ...models.scene.benefit import BASE_ERROR, level_accuracy, level_primitives
@@ -64,6 +65,10 @@ class FlatQuality:
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
+    def find_missing(self, drawn: Drawn, units: View) -> NDArray[np.intp]:
+        """Return the positions of `units` of which nothing is drawn."""
+        return (~np.isin(units.ids, drawn.ids)).nonzero()[0]
+
     def _weight(self, view: View) -> FloatArray:
         return view.area_px if self._unit_importance else view.area_px * view.nodes.importance
 
@@ -105,6 +110,10 @@ class TreeQuality:
             float((weight / np.maximum(full, 1.0)).sum()),
             int(np.count_nonzero(cover < 0)),
         )
+
+    def find_missing(self, drawn: Drawn, units: View) -> NDArray[np.intp]:
+        """Return the positions of `units` of which nothing is drawn."""
+        return (self._tree.cover(drawn.ids)[units.ids] < 0).nonzero()[0]
 
 
 def _accuracy(samples: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ class ScreenErrors:
         self._of: tuple[FloatArray, object] = self._scaled, None
 
     def of(self, drawn: Drawn) -> tuple[float, float, float]:
-        """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px.
+        """Return the 95th percentile (lower rank) and maximum of nodes' errors in px.
 
         The third is the mean over nodes, by their area, of what of the error is visible.
         """
