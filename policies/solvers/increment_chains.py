@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ...base.arrays import BoolArray, FloatArray
 from .column_counts import count_true
 from .falling_cut import FallingCut
 from .falling_prefix import falling_prefix
@@ -74,7 +74,8 @@ class IncrementChains(IncrementForest):
         begins = np.zeros(len(at), dtype=np.intp)
         begins[1:] = index[1:] * (row[1:] != row[:-1])
         before = index - np.maximum.accumulate(begins)
-        before += count_true(np.ascontiguousarray(self.taken.take(row, axis=0).T))
+        done: BoolArray = self.taken.take(row, axis=0)
+        before += count_true(np.ascontiguousarray(done.T))
         self._rest = at[place == before]
         self._key, self._cost = self._ratio.take(self._rest), self._all_cost.take(self._rest)
 

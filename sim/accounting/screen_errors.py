@@ -1,6 +1,7 @@
 """Errors on the screen of what frames draw."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from .switches import Drawn
@@ -54,7 +55,7 @@ class ScreenErrors:
         np.maximum(nearest_m, near_m, out=nearest_m)
         return np.divide(self._scaled, nearest_m, out=nearest_m)
 
-    def _visible_by_area(self, top_px: FloatArray, at: FloatArray, drawn: Drawn) -> float:
+    def _visible_by_area(self, top_px: FloatArray, at: NDArray[np.intp], drawn: Drawn) -> float:
         beyond_px = top_px - self._visible_px
         if not len(beyond_px) or beyond_px.max() <= 0.0:
             return 0.0

@@ -1,7 +1,7 @@
 """Percentile, maximum and visible share of errors, against a plain sort in every frame."""
 
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -26,4 +26,4 @@ def test_errors_are_those_of_a_sort() -> None:
         sse_px = np.sort(by_node := error_m * 500.0 / np.maximum(distance_m - 1.0, 0.1))
         beyond_px = float((np.maximum(by_node - VISIBLE_PX, 0.0) * area_px).sum() / area_px.sum())
         expected = (sse_px[56], sse_px[-1], beyond_px) if n else (0.0, 0.0, 0.0)
-        np.testing.assert_allclose(errors.of(cast("Any", drawn)), expected, rtol=1e-12, atol=0.0)
+        np.testing.assert_allclose(errors.of(drawn), expected, rtol=1e-12, atol=0.0)
