@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from .palette import Ink
+from .plots import Plots
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,18 +19,20 @@ class Cell:
     Attributes
     ----------
     small : below the text, in small letters
-    best : whether it is set in green
+    tone : how it is set
     hint : shown under the pointer
     ink : of the mark before the text
     tags : framed words behind it
+    value : by which a table is sorted, where it is not the text
     """
 
     text: str
     small: str = ""
-    best: bool = False
+    tone: Literal["", "best", "equal"] = ""
     hint: str = ""
     ink: Ink | None = None
     tags: tuple[str, ...] = ()
+    value: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +45,20 @@ class Across:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table, which scrolls where it is too wide; the first cell of a row is its heading."""
+    """A table, which scrolls where it is too wide; the first cell of a row is its heading.
+
+    Attributes
+    ----------
+    name : of a table that a reader can sort by its columns; unique on its page
+    folded : text that stands for the table until it is opened
+    """
 
     kind: ClassVar = "table"
     heads: Sequence[Cell | str]
     rows: Sequence[Sequence[Cell | str] | Across]
-    style: Literal["", "facts", "metrics"] = ""
+    style: Literal["", "facts", "metrics", "strip", "ranking"] = ""
+    name: str = ""
+    folded: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +80,24 @@ class Paragraph:
 
 
 @dataclass(frozen=True, slots=True)
+class Command:
+    """A line to paste, with a button that copies it."""
+
+    kind: ClassVar = "command"
+    title: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """Words and what they mean; folded on a screen, open in print."""
+
+    kind: ClassVar = "terms"
+    title: str
+    terms: Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True, slots=True)
 class Tile:
     """A question and its answer, at a glance."""
 
@@ -85,7 +114,7 @@ class Tiles:
     tiles: Sequence[Tile]
 
 
-Block = Table | Chart | Paragraph | Tiles
+Block = Table | Chart | Plots | Paragraph | Command | Terms | Tiles
 
 
 @dataclass(frozen=True, slots=True)

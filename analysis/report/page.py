@@ -1,11 +1,12 @@
 """Turn sections into a page: one file that holds its style, scripts and data."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .blocks import Section
+from .blocks import Cell, Chart, Section
+from .plots import HIGH, WIDE
 
 if TYPE_CHECKING:  # jinja2 is loaded by what writes a page
     from jinja2 import Template
@@ -14,13 +15,28 @@ _TEMPLATES = Path(__file__).parent / "templates"
 _CONFIG = {"displayModeBar": False, "responsive": True}
 
 
-def render_page(title: str, subtitle: str, sections: Iterable[Section]) -> str:
-    """Return the HTML of a page, which needs nothing else; the same sections, the same bytes."""
-    from plotly.offline import get_plotlyjs
+def render_page(
+    title: str,
+    subtitle: str,
+    sections: Iterable[Section],
+    legend: Sequence[Cell] = (),
+    drawn_at_first: int = 0,
+) -> str:
+    """Return the HTML of a page, which needs nothing else; the same sections, the same bytes.
 
+    Parameters
+    ----------
+    legend : sequence of Cell
+        What all plots draw, each with its ink; a click hides one in all of them.
+    drawn_at_first : int
+        How many of them are drawn until a reader says otherwise; 0 for all.
+    """
+    sections = list(sections)
+    off = [cell.ink.index for cell in legend[drawn_at_first or len(legend) :] if cell.ink]
     return _template().render(
-        title=title, subtitle=subtitle, sections=sections, plotly=get_plotlyjs(), draw=_draw
-    )
+        title=title, subtitle=subtitle, sections=sections, legend=legend, off=off,
+        plotly=_plotly_for(sections), draw=_draw, wide=WIDE, high=HIGH,
+    )  # fmt: skip
 
 
 @cache
@@ -36,6 +52,15 @@ def _template() -> "Template":
         keep_trailing_newline=True,
     )
     return environment.get_template("page.html")
+
+
+def _plotly_for(sections: Sequence[Section]) -> str:
+    """Return the library of plotly's charts, 4.8 MB, where a page has one."""
+    if not any(isinstance(block, Chart) for section in sections for block in section.blocks):
+        return ""
+    from plotly.offline import get_plotlyjs
+
+    return get_plotlyjs()
 
 
 def _draw(figure: Any, name: str) -> str:

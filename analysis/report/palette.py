@@ -1,6 +1,6 @@
 """One colour and dash for each policy, the same in every chart and table of a report."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..study.comparison import Comparison
 
@@ -14,23 +14,40 @@ _ORACLE = "#888888"
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """How a policy is drawn."""
+    """How a policy is drawn.
+
+    Attributes
+    ----------
+    color : of figures on white
+    dash, symbol : of lines and points
+    hue : which colour of the page's style, where light and dark have their own; 6 is grey
+    index : of the policy in its comparison
+    """
 
     color: str
     dash: str
     symbol: str
+    hue: int = 6
+    index: int = -1
 
 
 def inks(comparison: Comparison) -> dict[str, Ink]:
-    """Return the ink of each policy, by label; oracles are grey, and not in anyone's way."""
+    """Return the ink of each policy, by label; oracles are grey, and not in anyone's way.
+
+    What did the same as another looks as that one does, since both are one line.
+    """
     chosen: dict[str, Ink] = {}
     ordinary = oracles = 0
-    for policy in comparison.policies:
+    for index, policy in enumerate(comparison.policies):
+        if policy.same_as in chosen:
+            chosen[policy.label] = replace(chosen[policy.same_as], index=index)
+            continue
         if policy.oracle:
-            turn, color = 1 + oracles % (len(_DASHES) - 1), _ORACLE
+            turn, hue, color = 1 + oracles % (len(_DASHES) - 1), len(_COLORS), _ORACLE
             oracles += 1
         else:
-            turn, color = ordinary // len(_COLORS) % len(_DASHES), _COLORS[ordinary % len(_COLORS)]
+            turn, hue = ordinary // len(_COLORS) % len(_DASHES), ordinary % len(_COLORS)
+            color = _COLORS[hue]
             ordinary += 1
-        chosen[policy.label] = Ink(color, _DASHES[turn], _SYMBOLS[turn])
+        chosen[policy.label] = Ink(color, _DASHES[turn], _SYMBOLS[turn], hue, index)
     return chosen

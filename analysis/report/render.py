@@ -16,12 +16,19 @@ SECTIONS = (
     "ranks",
     "tradeoffs",
     "along_the_trace",
+    "flicker",
+    "worst_moments",
+    "robustness",
     "slow_frames",
     "load_steps",
+    "from_above",
     "every_metric",
     "provenance",
 )
 """Files of ``sections/``, in the order of the page; each has a section of the same name."""
+
+_DRAWN_AT_FIRST = 6
+"""Policies, the first of the ranking, that charts show until a reader asks for more."""
 
 
 def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
@@ -36,8 +43,10 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
     results = Results(comparison, logs, inks(comparison))
     return render_page(
         f"Which policy keeps {comparison.budget_ms:.4g} ms?",
-        describe_run(comparison),
+        results.words(describe_run(comparison)),
         [_find_section(name)(results) for name in SECTIONS],
+        [results.name_of(policy) for policy in results.drawn],
+        _DRAWN_AT_FIRST,
     )
 
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ...sim.frame_log import FrameLog
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult
-from .blocks import Block, Cell, Chart, Section
+from .blocks import Block, Cell, Section
+from .names import readable, short_name, whole_name
 from .palette import Ink
-from .summary import MetricColumn
+from .summary import MetricColumn, shown_policies
 from .values import format_span
 
 
@@ -26,20 +26,28 @@ class Results:
     logs: dict[str, FrameLog]
     inks: dict[str, Ink]
 
-    def chart(self, name: str, draw: Callable[["Results"], Any]) -> Chart:
-        """Return a chart, empty where no policy was scored."""
-        return Chart(name, draw(self) if self.comparison.ok else None)
+    @property
+    def drawn(self) -> tuple[PolicyResult, ...]:
+        """What charts draw, in the order of the answer: of those that did the same, one."""
+        return shown_policies(self.comparison)
+
+    def words(self, text: str) -> str:
+        """Return a text about the comparison, with names cut that are too long to read."""
+        c = self.comparison
+        return readable(text, (*self.inks, c.scene, c.hardware, *c.paths))
 
     def name_of(self, policy: PolicyResult, tags: tuple[str, ...] = ()) -> Cell:
         """Return a policy's name with its mark."""
-        return Cell(policy.label, ink=self.inks[policy.label], tags=tags)
+        label = policy.label
+        ink = self.inks[label]
+        return Cell(short_name(label), hint=whole_name(label), ink=ink, tags=tags)
 
     def value_of(self, policy: PolicyResult, column: MetricColumn) -> Cell:
         """Return a policy's value, with its interval over such paths below, or of this path."""
         score = policy.metrics[column.metric]
         span = score.such_paths or score.this_path
         small = "" if span is None else format_span(*span, percent=column.percent)
-        return Cell(column.text(policy), small)
+        return Cell(column.text(policy), small, value=score.value)
 
 
 _Blocks = Callable[[Results], Sequence[Block]]

@@ -42,3 +42,15 @@ def tail(values: FloatArray, weight: FloatArray, points: int) -> tuple[FloatArra
             np.concatenate((np.linspace(0, body, points).astype(np.intp), np.arange(body, n)))
         )
     return values[order][at], share[at]
+
+
+def stairs(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the corners of a line of steps, each of which rises or falls before it goes on."""
+    return np.repeat(x, 2)[:-1], np.repeat(y, 2)[1:]
+
+
+def thinned(values: FloatArray, points: int) -> FloatArray:
+    """Return so many values at even steps, the first and the last among them; all of few."""
+    if len(values) <= points:
+        return values
+    return values[np.linspace(0, len(values) - 1, points).astype(np.intp)]

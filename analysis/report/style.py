@@ -1,13 +1,6 @@
-"""What all charts of a page have in common."""
+"""What all plotly charts of a page have in common."""
 
-from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
-
-from ...base.arrays import FloatArray
-from ..study.comparison_parts import PolicyResult
-from .palette import Ink
 
 BUDGET = {"color": "#888888", "width": 1.2, "dash": "dash"}
 
@@ -19,27 +12,11 @@ def panels(rows: int, columns: int, **options: Any) -> Any:
     return make_subplots(rows=rows, cols=columns, **options)
 
 
-def add_line(
-    figure: Any, at: tuple[int, int], points: tuple[FloatArray, FloatArray],
-    policy: PolicyResult, ink: Ink, *, first: bool, **options: Any,
-) -> None:  # fmt: skip
-    """Draw a policy's line into the panel of a row and column; the first one gives the legend."""
-    # Single precision is all that a chart shows, and makes the page smaller.
-    x, y = (values.astype(np.float32) for values in points)
-    figure.add_scatter(
-        x=x, y=y, row=at[0], col=at[1], showlegend=first, name=policy.label, mode="lines",
-        legendgroup=policy.label, line={"color": ink.color, "dash": ink.dash, "width": 1.4},
-        **options,
-    )  # fmt: skip
-
-
-def styled(figure: Any, height_px: int, named: Sequence[PolicyResult] = ()) -> Any:
+def styled(figure: Any, height_px: int) -> Any:
     """Return the figure with what all have in common; the page sets colours for light and dark."""
-    # The legend stands above, as many lines as its names need.
-    legend_px = 26 * -(-sum(len(policy.label) + 7 for policy in named) // 150)
     figure.update_layout(
-        height=height_px + legend_px,
-        margin={"l": 60, "r": 12, "t": 38 + legend_px, "b": 48},
+        height=height_px,
+        margin={"l": 60, "r": 12, "t": 38, "b": 48},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         font={"family": "system-ui, sans-serif", "size": 12, "color": "#808080"},

@@ -1,69 +1,81 @@
-"""Charts over the time of the first path: work, lag, switches and error."""
+"""Plots over the time of the first path: work, lag, switches and error."""
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ...metrics.measured_frames import MeasuredFrames
-from ..blocks import Chart
+from ..blocks import Paragraph
+from ..plots import Axis, Plot, Plots, Rule, Scale, line_of
 from ..results import Results, section
 from ..series import envelope
-from ..style import BUDGET, add_line, panels, styled
 
-_BUCKETS = 700
+_BUCKETS = 500
 _BIN_S = 0.5
-_TITLES = (
-    "Work time, ms",
-    "Lag, ms",
-    f"Visible pops per second, over {_BIN_S:g} s",
-    "Projected error, 95th percentile of nodes, px",
-)
+_MOST = 2.0
+"""Work that is drawn, in budgets."""
+TIME = "time of the path, s"
+LINK = "time"
+"""Plots along the first path are zoomed together."""
 
 
 @section("Along the first path")
-def along_the_trace(results: Results) -> tuple[Chart]:
-    """Drag to zoom all four; click a name to hide a policy.
+def along_the_trace(results: Results) -> tuple[Plots] | tuple[Paragraph]:
+    """Every chart along the path is zoomed with the others.
 
-    The dashed line is the budget.  Where frames are too many to draw, minima and maxima are kept.
-    An axis ends at three times what the middle policy reaches: double-click twice to see all.
+    Where frames are too many to draw, minima and maxima are kept.  Work is drawn up to twice the
+    budget, lag and error up to twice the middle policy's: what lies above leaves the plot.
+    Switches are on a scale of square roots.
     """
-    return (results.chart("time", _chart),)
+    if not results.drawn:
+        return (Paragraph("Nothing to draw in this run.", "dim"),)
+    return (Plots(list(_plots(results)), zoom=LINK),)
 
 
-def _chart(results: Results) -> Any:
-    comparison = results.comparison
-    figure = panels(
-        4, 1, shared_xaxes=True, vertical_spacing=0.055, subplot_titles=_TITLES,
-        row_heights=[0.34, 0.22, 0.22, 0.22],
+def time_axis(results: Results) -> Axis:
+    """Return the axis of time along the first path."""
+    ends = [float(results.logs[p.label]["input_ns"][-1]) * 1e-9 for p in results.drawn]
+    return Axis(TIME, 0.0, max(ends), parts=8)
+
+
+def _plots(results: Results) -> Iterator[Plot]:
+    runs = {p.label: MeasuredFrames(results.logs[p.label]) for p in results.drawn}
+    x, budget = time_axis(results), results.comparison.budget_ms
+    kinds = (
+        ("work", "Work time", "work, ms", lambda run: (run.time_s, run.work_ms), "linear"),
+        ("lag", "Lag from input to display", "lag, ms", lambda run: (run.time_s, run.lag_ms),
+         "linear"),
+        ("pops", f"Visible pops, over {_BIN_S:g} s", "visible pops, /s", _pops, "root"),
+        ("error", "Projected error, 95th percentile of nodes", "error, px",
+         lambda run: (run.time_s, run["sse_px_p95"]), "linear"),
     )  # fmt: skip
-    tops: list[list[float]] = [[], [], [], []]
-    for policy in comparison.ok:
-        run = MeasuredFrames(results.logs[policy.label])
-        time_s = run.time_s
-        edges = np.arange(0.0, time_s[-1] + _BIN_S, _BIN_S)
-        rows = (
-            envelope(time_s, run.work_ms, _BUCKETS),
-            envelope(time_s, run.lag_ms, _BUCKETS),
-            (
-                0.5 * (edges[1:] + edges[:-1]),
-                np.histogram(time_s, edges, weights=run["visible_pops"])[0] / _BIN_S,
-            ),
-            envelope(time_s, run["sse_px_p95"], _BUCKETS),
-        )
-        for row, points in enumerate(rows, 1):
-            ink = results.inks[policy.label]
-            add_line(figure, (row, 1), points, policy, ink, first=row == 1)
-            tops[row - 1].append(float(np.nanquantile(points[1], 0.99)))
-    tops[0].append(comparison.budget_ms)
-    for row, top in enumerate(tops, 1):
-        figure.update_yaxes(range=(0.0, _top(top)), row=row, col=1)
-    figure.add_hline(y=comparison.budget_ms, row=1, col=1, line=BUDGET)
-    figure.update_xaxes(title_text="time of the path, s", row=4, col=1)
-    return styled(figure, 860, comparison.ok)
+    for name, title, unit, of, scale in kinds:
+        series = {label: of(run) for label, run in runs.items()}
+        judged = name == "work"
+        top = _MOST * budget if judged else _top([values for _, values in series.values()], scale)
+        y = Axis(unit, 0.0, top, scale)
+        lines = [
+            line_of(results.inks[label], (x, y), envelope(*points, _BUCKETS))
+            for label, points in series.items()
+        ]
+        text = f"budget {budget:.4g} ms"
+        rules = [Rule(False, round(100.0 * y.at(budget), 2), text)] if judged else []
+        height_px = 260 if judged else 150
+        yield Plot(name, title, x, y, lines, rules=rules, height_px=height_px, link=LINK)
 
 
-def _top(tops: list[float]) -> float:
-    """Return the end of an axis: all that is reached, or thrice what the middle policy reaches."""
-    middle = float(np.median(tops))
-    highest = max(tops)
-    return 1.1 * (min(highest, 3.0 * middle) if middle > 0.0 else max(highest, 1e-6))
+def _pops(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:
+    edges = np.arange(0.0, run.time_s[-1] + _BIN_S, _BIN_S)
+    counts = np.histogram(run.time_s, edges, weights=run["visible_pops"])[0]
+    return 0.5 * (edges[1:] + edges[:-1]), counts / _BIN_S
+
+
+def _top(series: list[FloatArray], scale: Scale) -> float:
+    """Return the end of an axis: all that is reached, or twice what the middle policy reaches."""
+    tops = [float(np.nanquantile(values, 0.99)) for values in series if not np.isnan(values).all()]
+    highest = max([*tops, 1e-6])
+    middle = float(np.median(tops)) if tops else 0.0
+    if scale == "root" or middle <= 0.0:
+        return 1.1 * highest
+    return 1.1 * min(highest, 2.0 * middle)

@@ -1,26 +1,28 @@
 """How policies answer a step in load: a chart about each step, and a table of the answers."""
 
-from typing import Any
+from collections.abc import Iterator
 
 from ...metrics.measured_frames import MeasuredFrames
 from ...metrics.steps import APART_NS, Step
 from ...study.comparison import Comparison
 from ...study.comparison_parts import PolicyResult
-from ..blocks import Cell, Chart, Paragraph, Table
+from ..blocks import Cell, Paragraph, Table
+from ..plots import Axis, Line, Plot, Plots, Rule, line_of
 from ..results import Results, section
 from ..series import envelope
-from ..style import BUDGET, add_line, panels, styled
 from ..values import ABSENT, format_value
 
-_BUCKETS = 700
+_BUCKETS = 150
 _BEFORE_S, _AFTER_S = 0.25, 1.5
 _MOST_STEPS = 6
+_HIGHEST = 4.0
+"""Work over budget beyond which lines leave the plot."""
 _BOUND = ">"
 """Stands before a value that is a lower bound."""
 
 
 @section("After a step in load")
-def load_steps(results: Results) -> tuple[Paragraph] | tuple[Chart, Table]:
+def load_steps(results: Results) -> tuple[Paragraph] | tuple[Plots, Table]:
     """On the first path, work time over the budget, about each of the largest steps: up to six.
 
     A step is a rise of what is visible, priced at full detail, by a quarter or more within 100 ms
@@ -31,7 +33,7 @@ def load_steps(results: Results) -> tuple[Paragraph] | tuple[Chart, Table]:
     steps = _largest_steps(results.comparison)
     if not steps:
         return (Paragraph("The visible load of the first path has no such step."),)
-    return Chart("steps", _chart(results, steps)), _table(results, steps)
+    return Plots(list(_plots(results, steps)), beside=True), _table(results, steps)
 
 
 def _largest_steps(comparison: Comparison) -> list[Step]:
@@ -42,32 +44,24 @@ def _largest_steps(comparison: Comparison) -> list[Step]:
     return sorted(rise[:_MOST_STEPS], key=lambda step: step.time_ms)
 
 
-def _chart(results: Results, steps: list[Step]) -> Any:
-    """Return work over budget about each step."""
+def _plots(results: Results, steps: list[Step]) -> Iterator[Plot]:
+    """Return work over budget about each step, all over the same axes."""
     comparison = results.comparison
-    columns = min(len(steps), 3)
-    rows = -(-len(steps) // columns)
-    titles = [
-        f"{step.time_ms * 1e-3:.1f} s: load {step.load_before_ms:.1f} → {step.load_after_ms:.1f} ms"
-        for step in steps
-    ]
-    figure = panels(
-        rows, columns, shared_yaxes=True, subplot_titles=titles,
-        vertical_spacing=0.5 / (2 * rows), horizontal_spacing=0.03,
-    )  # fmt: skip
-    for policy in comparison.ok:
-        run = MeasuredFrames(results.logs[policy.label])
-        for i, step in enumerate(steps):
+    runs = {p.label: MeasuredFrames(results.logs[p.label]) for p in results.drawn}
+    overshoots = [step.overshoot_ratio or 0.0 for p in results.drawn for step in p.steps]
+    x = Axis("s since the step", -_BEFORE_S, _AFTER_S)
+    y = Axis("work / budget", 0.0, 1.1 * min(max(overshoots, default=1.0) + 0.2, _HIGHEST))
+    for at, step in enumerate(steps):
+        lines: list[Line] = []
+        for label, run in runs.items():
             since_s = run.time_s - step.time_ms * 1e-3
             near = (since_s >= -_BEFORE_S) & (since_s <= _AFTER_S)
-            points = envelope(since_s[near], run.work_ms[near] / comparison.budget_ms, _BUCKETS)
-            panel = (1 + i // columns, 1 + i % columns)
-            add_line(figure, panel, points, policy, results.inks[policy.label], first=i == 0)
-    figure.add_hline(y=1.0, line=BUDGET)
-    figure.update_yaxes(rangemode="tozero")
-    figure.update_yaxes(title_text="work / budget", col=1)
-    figure.update_xaxes(title_text="s since the step", row=rows)
-    return styled(figure, 90 + 260 * rows, comparison.ok)
+            points = since_s[near], run.work_ms[near] / comparison.budget_ms
+            lines.append(line_of(results.inks[label], (x, y), envelope(*points, _BUCKETS)))
+        load = f"load {step.load_before_ms:.1f} → {step.load_after_ms:.1f} ms"
+        rules = [Rule(False, round(100.0 * y.at(1.0), 2), "")]
+        title = f"At {step.time_ms * 1e-3:.1f} s: {load}"
+        yield Plot(f"step-{at}", title, x, y, lines, rules=rules, height_px=190)
 
 
 def _table(results: Results, drawn: list[Step]) -> Table:
@@ -75,9 +69,10 @@ def _table(results: Results, drawn: list[Step]) -> Table:
     heads = [f"{step.time_ms * 1e-3:.1f} s" for step in drawn]
     rows = [
         (results.name_of(policy), *(_answer(policy, step) for step in drawn), _mean(policy))
-        for policy in results.comparison.ok
+        for policy in results.drawn
     ]
-    return Table(("overshoot, settling", *heads, "mean of all"), rows)
+    heads = ["overshoot, settling", *heads, "mean of all"]
+    return Table(heads, rows, name="steps")
 
 
 def _answer(policy: PolicyResult, drawn: Step) -> Cell:
@@ -103,4 +98,7 @@ def _mean(policy: PolicyResult) -> Cell:
 
 
 def _cell(overshoot: float | None, settle_ms: float | None, *, bound: bool) -> Cell:
-    return Cell(f"{format_value(overshoot)} ×", f"{_BOUND * bound}{format_value(settle_ms)} ms")
+    return Cell(
+        f"{format_value(overshoot)} ×", f"{_BOUND * bound}{format_value(settle_ms)} ms",
+        value=overshoot,
+    )  # fmt: skip

@@ -3,15 +3,18 @@
 from collections.abc import Iterator
 
 from ...study.comparison import Comparison
-from ..blocks import Table
+from ..blocks import Block, Command, Table
 from ..results import Results, section
 from ..summary import describe_paths
 
 
 @section("Where the numbers come from")
-def provenance(results: Results) -> tuple[Table]:
+def provenance(results: Results) -> tuple[Block, ...]:
     """Conditions of the runs; the same ones and the same seed give the same numbers."""
-    return (Table((), list(_facts(results.comparison)), "facts"),)
+    facts = [(name, results.words(fact)) for name, fact in _facts(results.comparison)]
+    table = Table((), facts, "facts")
+    command = results.comparison.provenance.command
+    return (Command("To repeat it", command), table) if command else (table,)
 
 
 def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
@@ -20,8 +23,6 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     pacing = f"pacing {c.pacing}"
     if c.latency_limit:
         pacing += f", latency limit {c.latency_limit}"
-    if made.command:
-        yield "command", made.command
     yield "scene", f"{comparison.scene}, {c.nodes:,} nodes"
     yield "paths", describe_paths(comparison)
     yield "hardware", f"{comparison.hardware}: {measured}; {c.hardware_source}"

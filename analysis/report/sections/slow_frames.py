@@ -1,38 +1,58 @@
 """For how much of the time frames take how long: work time, and interval between displays."""
 
-from typing import Any
+from collections.abc import Iterator
 
+import numpy as np
+
+from ....base.arrays import FloatArray
 from ...metrics.measured_frames import MeasuredFrames
-from ..blocks import Chart
+from ..blocks import Paragraph
+from ..plots import Axis, Line, Plot, Plots, Rule, line_of
 from ..results import Results, section
-from ..series import tail
-from ..style import BUDGET, add_line, panels, styled
+from ..series import stairs, tail
 
-_POINTS = 300
-_TICKS_MS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
+_POINTS = 250
+_LEAST_PCT = 0.1
+_LEAST, _MOST = 0.05, 5.0
+"""Times that are drawn, in budgets."""
 
 
 @section("How slow the slow frames are")
-def slow_frames(results: Results) -> tuple[Chart]:
+def slow_frames(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """On the first path, the share of time in frames that take so long or longer; both logarithmic.
 
     The 99th percentile is where a line crosses 1 %.
     """
-    return (results.chart("distribution", _chart),)
+    if not results.drawn:
+        return (Paragraph("Nothing to draw in this run.", "dim"),)
+    return (Plots(list(_plots(results)), beside=True),)
 
 
-def _chart(results: Results) -> Any:
-    comparison = results.comparison
-    titles = ["Work time", "Interval between displays"]
-    figure = panels(1, 2, shared_yaxes=True, subplot_titles=titles)
-    for policy in comparison.ok:
-        run = MeasuredFrames(results.logs[policy.label], *comparison.window_s[0])
-        for column, values in enumerate((run.work_ms, run.frame_ms), 1):
-            x, share = tail(values, run.cost_weight_ms, _POINTS)
-            ink, points = results.inks[policy.label], (x, 100.0 * share)
-            add_line(figure, (1, column), points, policy, ink, first=column == 1, line_shape="vh")
-    figure.add_vline(x=comparison.budget_ms, line=BUDGET)
-    figure.update_yaxes(type="log", title_text="time in frames at least this slow, %", col=1)
-    figure.update_yaxes(type="log", dtick=1)
-    figure.update_xaxes(type="log", title_text="ms", tickvals=_TICKS_MS)
-    return styled(figure, 350, comparison.ok)
+def _plots(results: Results) -> Iterator[Plot]:
+    window = results.comparison.window_s[0]
+    runs = {p.label: MeasuredFrames(results.logs[p.label], *window) for p in results.drawn}
+    for name, title, values in (
+        ("work-tail", "Work time", {at: run.work_ms for at, run in runs.items()}),
+        ("frame-tail", "Interval between displays", {at: run.frame_ms for at, run in runs.items()}),
+    ):
+        shares = {at: tail(values[at], run.cost_weight_ms, _POINTS) for at, run in runs.items()}
+        yield _plot(results, name, title, shares)
+
+
+def _plot(
+    results: Results, name: str, title: str, shares: dict[str, tuple[FloatArray, FloatArray]]
+) -> Plot:
+    budget = results.comparison.budget_ms
+    ends = np.concatenate([x for x, _ in shares.values()] + [np.array([budget])])
+    ends = ends[ends > 0.0]
+    high = min(max(1.1 * float(ends.max()), 1.5 * budget), _MOST * budget)
+    x = Axis("ms", max(0.8 * float(ends.min()), _LEAST * budget), high, "log")
+    y = Axis("time in frames at least this slow, %", _LEAST_PCT, 100.0, "log")
+    lines: list[Line] = []
+    for label, (value_ms, share) in shares.items():
+        lines.append(line_of(results.inks[label], (x, y), stairs(value_ms, 100.0 * share)))
+    rule = Rule(True, round(100.0 * x.at(budget), 2), f"budget {budget:.4g} ms")
+    return Plot(
+        name, f"{title}: % of time in frames at least this slow", x, y, lines, rules=[rule],
+        height_px=280,
+    )  # fmt: skip

@@ -1,66 +1,128 @@
 """What a policy gives for what: picture error and switches over work, as its knob turns."""
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
-from ...study.comparison import Comparison
-from ...study.comparison_parts import PolicyResult
-from ..blocks import Chart, Table
+import numpy as np
+
+from ...study.comparison_parts import Curve, PolicyResult
+from ..blocks import Paragraph
+from ..names import short_name
+from ..plots import (
+    Axis,
+    Line,
+    Mark,
+    Plot,
+    Plots,
+    Rule,
+    label_height_px,
+    label_marks,
+    line_of,
+    mark_of,
+)
 from ..results import Results, section
-from ..style import BUDGET, panels, styled
 from ..values import format_value
 
+_FIRST_PX, _SECOND_PX = 400, 340
+_LEAST, _MOST = 0.22, 3.0
+"""Work that the first chart shows, in budgets: beyond, nobody is set."""
 
-@section("What each policy gives at every budget")
-def tradeoffs(results: Results) -> tuple[Chart, Table] | tuple[Chart]:
+
+@section("What each policy gives for its work")
+def tradeoffs(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """Each line is a policy as its knob turns; its point is where it was set for this budget.
 
-    Lower is better; the dashed line is the budget.  Work is the time that budgets judge, the mean
-    over paths.  A policy without a knob is a point.
+    Lower is better, and left is cheaper.  Work is the time that budgets judge, the mean over paths.
+    Both scales are bent: doublings of work, and square roots of what is seen, count alike.
     """
-    chart = results.chart("tradeoff", _chart)
-    robustness = results.comparison.robustness
-    if robustness is None:
-        return (chart,)
-    rows = [
-        (
-            f"{at.refresh_hz:g} Hz, {at.budget_ms:.4g} ms",
-            ", ".join(at.first) or "nobody",
-            ", ".join(at.misses) or "–",
-        )
-        for at in robustness.budgets
-    ]
-    heads = ("budget, read off the curves", "first rank", "does not reach it")
-    return chart, Table(heads, rows)
+    if not results.drawn:
+        return (Paragraph("Nothing to draw in this run.", "dim"),)
+    return (Plots([_error_over_work(results), _switches_over_error(results)]),)
 
 
-def _chart(results: Results) -> Any:
+def _error_over_work(results: Results) -> Plot:
     comparison = results.comparison
-    titles = ["Visible error, px", "Visible pops per second"]
-    figure = panels(1, 2, subplot_titles=titles, horizontal_spacing=0.07)
-    for policy in comparison.ok:
-        _draw(figure, results, comparison, policy)
-    figure.add_vline(x=comparison.budget_ms, line=BUDGET)
-    quantile = format_value(1.0 - comparison.miss, percent=True)
-    figure.update_xaxes(type="log", title_text=f"work, ms at {quantile} % of the time")
-    figure.update_yaxes(rangemode="tozero")
-    return styled(figure, 430, comparison.ok)
+    budget = comparison.budget_ms
+    quantile = f"{100.0 * (1.0 - comparison.miss):g}"
+    placed = {p.label: p.keeps_budget.work_ms for p in results.drawn if p.keeps_budget}
+    works = [w for curve in comparison.curve.values() for w in curve.work_ms] + [*placed.values()]
+    low = max(0.9 * min(works, default=budget), _LEAST * budget)
+    high = min(1.1 * max(works, default=budget), _MOST * budget)
+    x = Axis(f"work at {quantile} % of the time, ms", low, max(high, 1.2 * budget), "log")
+    y = Axis("visible error, px", 0.0, _top(results, "visible_error_px"), "root")
+    marks, texts = _marks(results, (x, y), lambda p: (placed.get(p.label), _error(p)))
+    lines = _lines(results, (x, y), lambda curve: (curve.work_ms, curve.visible_error_px))
+    height_px = label_height_px(len(marks), _FIRST_PX)
+    labels, leaders = label_marks(marks, texts, height_px)
+    return Plot(
+        "tradeoff", "Picture error against work", x, y, [*leaders, *lines], marks, labels,
+        [Rule(True, round(100.0 * x.at(budget), 2), f"budget {budget:.4g} ms")], height_px,
+        caption=_caption(results),
+    )  # fmt: skip
 
 
-def _draw(figure: Any, results: Results, comparison: Comparison, policy: PolicyResult) -> None:
-    ink, keeps = results.inks[policy.label], policy.keeps_budget
-    curve = comparison.curve.get(policy.label)
-    if curve is not None:
-        for column, values in enumerate((curve.visible_error_px, curve.pops_per_s), 1):
-            figure.add_scatter(
-                x=curve.work_ms, y=values, row=1, col=column, mode="lines", showlegend=False,
-                legendgroup=policy.label, name=policy.label,
-                line={"color": ink.color, "dash": ink.dash, "width": 1.4},
-            )  # fmt: skip
-    if keeps is None:
-        return
-    for column, metric in enumerate(("visible_error_px", "visible_pops_per_s"), 1):
-        figure.add_scatter(
-            x=[keeps.work_ms], y=[policy.value_of(metric)], row=1, col=column, mode="markers",
-            marker={"color": ink.color, "size": 10, "symbol": ink.symbol},
-            name=policy.label, legendgroup=policy.label, showlegend=column == 1,
-        )  # fmt: skip
+def _switches_over_error(results: Results) -> Plot:
+    x = Axis("visible error, px", 0.0, _top(results, "visible_error_px"), "root")
+    y = Axis("visible pops, /s", 0.0, _top(results, "visible_pops_per_s"), "root")
+    marks, texts = _marks(results, (x, y), lambda p: (_error(p), p.value_of("visible_pops_per_s")))
+    lines = _lines(results, (x, y), lambda curve: (curve.visible_error_px, curve.pops_per_s))
+    height_px = label_height_px(len(marks), _SECOND_PX)
+    labels, leaders = label_marks(marks, texts, height_px)
+    return Plot(
+        "switches", "Switches that are seen against picture error", x, y, [*leaders, *lines],
+        marks, labels, height_px=height_px,
+        caption="The lower left corner draws the finest picture with the fewest switches.",
+    )  # fmt: skip
+
+
+_Pair = tuple[float | None, float | None]
+
+
+def _marks(
+    results: Results, axes: tuple[Axis, Axis], place: Callable[[PolicyResult], _Pair]
+) -> tuple[list[Mark], list[str]]:
+    """Return the chosen points, those that lie in the plot, and their names."""
+    marks: list[Mark] = []
+    texts: list[str] = []
+    for policy in results.drawn:
+        x, y = place(policy)
+        if x is None or y is None or not axes[0].low <= x <= axes[0].high:
+            continue
+        name = short_name(policy.label)
+        marks.append(mark_of(results.inks[policy.label], axes, x, y, name))
+        texts.append(name)
+    return marks, texts
+
+
+def _lines(
+    results: Results,
+    axes: tuple[Axis, Axis],
+    of: Callable[[Curve], tuple[Sequence[float], Sequence[float]]],
+) -> list[Line]:
+    curves = results.comparison.curve
+    known = [(results.inks[p.label], curves[p.label]) for p in results.drawn if p.label in curves]
+    return [
+        line_of(ink, axes, (np.array(of(curve)[0]), np.array(of(curve)[1]))) for ink, curve in known
+    ]
+
+
+def _error(policy: PolicyResult) -> float | None:
+    return policy.value_of("visible_error_px")
+
+
+def _top(results: Results, metric: str) -> float:
+    """Return the end of an axis that holds every chosen point."""
+    values = [policy.value_of(metric) or 0.0 for policy in results.drawn]
+    return max(1.15 * max(values, default=0.0), 1e-3)
+
+
+def _caption(results: Results) -> str:
+    """Return who draws the finest picture among those that surely keep the budget."""
+    known = [(_error(p), p.label) for p in results.drawn if p.rank is not None]
+    errors = [(error, label) for error, label in known if error is not None]
+    if not errors:
+        return "Nobody surely keeps the budget."
+    error, label = min(errors)
+    return results.words(
+        f"Of those that surely keep the budget, {label} draws the finest picture: "
+        f"{format_value(error)} px of visible error."
+    )

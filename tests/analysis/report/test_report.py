@@ -5,18 +5,31 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.report import sections
-from lodbench.analysis.report.blocks import Across, Cell, Paragraph, Section, Table, Tile, Tiles
+from lodbench.analysis.report import page, sections
+from lodbench.analysis.report.blocks import (
+    Across,
+    Cell,
+    Command,
+    Paragraph,
+    Section,
+    Table,
+    Terms,
+    Tile,
+    Tiles,
+)
 from lodbench.analysis.report.page import render_page
-from lodbench.analysis.report.palette import inks
+from lodbench.analysis.report.palette import Ink, inks
+from lodbench.analysis.report.plots import Axis, Label, Mark, Plot, Plots, Row, Rule
 from lodbench.analysis.report.render import SECTIONS, render_report
-from lodbench.analysis.report.series import envelope, tail
+from lodbench.analysis.report.sections.the_answer import policy_spec
+from lodbench.analysis.report.series import envelope, stairs, tail, thinned
 from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.models.machine.hardware import HardwareProfile
@@ -114,12 +127,44 @@ def test_the_table_is_in_the_order_of_the_answer(results: Compared) -> None:
     html = page_of(results)
     ranking = html[html.index(">Ranking<") : html.index("What each policy gives")]
     shown = [policy for policy in results.comparison.ok if policy.same_as is None]
-    places = [ranking.index(f">{policy.label}<") for policy in shown]
+    places = [ranking.index(f">{policy.label}</td>") for policy in shown]
     assert places == sorted(places)
     assert shown[0].rank == 1
     assert results.comparison.answer[0].startswith(f"Take {shown[0].label}")
-    misses = ranking.index("Not surely within the budget")
-    assert [place > misses for place in places] == [policy.rank is None for policy in shown]
+    misses, oracles = ranking.index("not surely within the budget"), ranking.index("Oracles")
+    for place, policy in zip(places, shown, strict=True):
+        assert (place > misses) == (policy.rank is None)
+        assert (place > oracles) == policy.oracle
+    (full,) = (policy for policy in shown if policy.label == "full")
+    assert full.keeps_budget is not None
+    ratio = full.keeps_budget.work_ms / results.comparison.budget_ms
+    assert f'scope="row">{ratio:.2f} ×</th>' in ranking
+
+
+def test_the_page_reads_from_the_answer_to_its_warrant(results: Compared) -> None:
+    """Answer, ranking, what is given for what, the path, and at the end where it comes from."""
+    html = page_of(results)
+    heads = re.findall(r"<h2>(.*?)</h2>", html)
+    assert heads[:3] == ["Ranking", "What each policy gives for its work", "Along the first path"]
+    assert heads[-1] == "Where the numbers come from"
+    order = ("Take ", "--policy ", "How sure", "On which machine", ">Ranking<", 'class="legend"',
+             'id="chart-tradeoff"', 'id="chart-switches"', 'id="chart-work"')  # fmt: skip
+    places = [html.index(part) for part in order]
+    assert places == sorted(places)
+
+
+def test_the_line_to_paste_is_the_policy_as_it_was_set(results: Compared) -> None:
+    """The recommended policy with its knob can be typed again; what was typed stays as it was."""
+    leader = next(policy for policy in results.comparison.ok if policy.rank == 1)
+    line = f"--policy {policy_spec(leader)}"
+    assert line in page_of(results)
+    assert leader.knob is not None
+    spec = parse_policy(policy_spec(leader))
+    assert spec.params[leader.knob.name] == pytest.approx(leader.knob.value)
+    typed = replace(leader, label=f"x:{leader.knob.name}={leader.knob.value:g}")
+    assert policy_spec(typed) == typed.label
+    assert policy_spec(replace(leader, label="x:a=1")).startswith("x:a=1,")
+    assert policy_spec(replace(leader, knob=None)) == leader.label
 
 
 def test_markup_in_names_stays_text(results: Compared) -> None:
@@ -132,17 +177,106 @@ def test_markup_in_names_stays_text(results: Compared) -> None:
 def test_markup_in_cells_stays_text() -> None:
     """Every text of every kind of block is escaped, attributes included."""
     tag = '<b title="x">'
-    cell = Cell(tag, small=tag, hint=tag, tags=(tag,))
+    ink = Ink("", "dash", "circle", 0, 0)
+    cell = Cell(tag, small=tag, hint=tag, tags=(tag,), ink=ink)
+    axis = Axis(tag, 0.0, 1.0)
+    plot = Plot(
+        "p", tag, axis, axis, marks=[Mark(ink, 0.0, 0.0, tag)], labels=[Label(ink, 0.0, tag)],
+        rules=[Rule(True, 0.0, tag)], caption=tag, rows=[Row(ink, tag, ())],
+    )  # fmt: skip
     blocks = (
-        Table((cell, tag), ((cell, tag), Across(cell, "text")), "facts"),
+        Table((cell, tag), ((cell, tag), Across(cell, "text")), "facts", folded=tag),
         Tiles((Tile(tag, (cell, tag), tag),)),
         Paragraph(tag, "warn"),
+        Command(tag, tag),
+        Terms(tag, ((tag, tag),)),
+        Plots((plot,)),
     )
-    html = render_page(tag, tag, [Section(tag, tag, blocks), Section(tag, tag, (), folded=True)])
+    sections = [Section(tag, tag, blocks), Section(tag, tag, (), folded=True)]
+    html = render_page(tag, tag, sections, [cell])
     assert tag not in html
-    assert html.count("&lt;b title=&#34;x&#34;&gt;") == sum(
-        (3, 2 * 2, 3 * 4 + 2, 3 + 3, 1)  # of the page, its sections, table, tile and paragraph
+    assert Page(html).open == []
+
+
+HOSTILE = "</script><script>alert('\"')</script>" + "é" * 10_000
+
+
+def test_names_of_any_kind_are_text_that_can_be_read(results: Compared) -> None:
+    """A name of markup, quotes and 10,000 characters is escaped and cut, and the page stays small.
+
+    Sentences, tables, legend and plots show its beginning; the line to paste has all of it.
+    """
+    was = results.comparison.ok[0].label
+    text = msgspec.json.encode(results.comparison).decode()
+    renamed = msgspec.json.decode(
+        text.replace(f'"{was}"', msgspec.json.encode(HOSTILE).decode()).replace(
+            f"Take {was}", "Take " + msgspec.json.encode(HOSTILE).decode()[1:-1]
+        ),
+        type=type(results.comparison),
     )
+    renamed = replace(renamed, scene=HOSTILE, hardware=HOSTILE, paths=(HOSTILE, "other"))
+    logs = {HOSTILE if label == was else label: log for label, log in results.logs.items()}
+    html = render_report(renamed, logs)
+    assert "alert('" not in html
+    assert html.count("<script>") == page_of(results).count("<script>")
+    assert html.count("&lt;script&gt;alert(") > 10
+    assert len(re.findall("é{1000,}", html)) == 1, "in the line to paste alone"
+    assert len(html) < len(page_of(results)) + 100_000
+    assert Page(html).open == []
+
+
+def test_every_control_is_a_button_and_every_wide_table_scrolls(results: Compared) -> None:
+    """Headings that sort, the legend and zoom take the keyboard; tables scroll in their own box."""
+    html = page_of(results)
+    assert html.count("<table") == html.count('<div class="scroll" tabindex="0" role="region"')
+    assert html.count('<th scope="col"><button') + html.count('"col"><button') >= 10
+    for policy in results.comparison.ok:
+        if policy.same_as is None:
+            assert f"</i>{policy.label}</button>" in html
+    assert "onclick" not in html
+    assert "{display:none}" not in html.split("</style>")[1], "few policies are all drawn"
+
+
+def test_a_page_draws_the_first_of_many_policies(results: Compared) -> None:
+    """Whom the legend does not draw at first is hidden in every plot until a reader asks."""
+    entries = [Cell(f"p{i}", ink=Ink("", "", "", 0, i)) for i in range(4)]
+    html = render_page("", "", [Section("", "", (Plots(()),))], entries, drawn_at_first=3)
+    assert html.count('[data-p="3"]:not(button){display:none}') == 1
+    assert html.count('aria-pressed="true"') == 3
+    assert html.count('aria-pressed="false"') == 1
+
+
+def test_the_page_needs_no_library_and_is_small(results: Compared) -> None:
+    """Charts are drawn by the page itself: far below the 3 MB that a mail takes."""
+    html = page_of(results)
+    assert "Plotly.newPlot" not in html
+    assert len(html.encode()) < 400_000
+
+
+def test_colours_can_be_read_on_their_ground() -> None:
+    """Words have a contrast of 4.5, lines of 3, in light, dark and print (WCAG 2.2)."""
+    css = (Path(page.__file__).parent / "templates" / "page.css").read_text()
+    for theme in re.findall(r":root {(.*?)}", css, re.DOTALL):
+        colors = dict(re.findall(r"--([\w]+): (#\w{6})", theme))
+        for name, color in colors.items():
+            for ground in ("page", "soft"):
+                if name in {"ink", "dim", "bad", "link"}:
+                    assert contrast(color, colors[ground]) >= 4.5, (name, ground)
+            if re.fullmatch(r"c\d|heat|warn", name):
+                assert contrast(color, colors["page"]) >= 3.0, name
+
+
+def contrast(one: str, other: str) -> float:
+    """Return the contrast ratio of two colours, by WCAG 2.2."""
+    lights = sorted(luminance(color) + 0.05 for color in (one, other))
+    return lights[1] / lights[0]
+
+
+def luminance(color: str) -> float:
+    """Return the relative luminance of a colour such as #0072b2, by WCAG 2.2."""
+    parts = (int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
 
 
 def test_every_section_is_on_the_page_once() -> None:
@@ -154,10 +288,14 @@ def test_every_section_is_on_the_page_once() -> None:
 def test_charts_hold_every_policy(results: Compared) -> None:
     """Each chart draws each policy that was scored, and the one that failed nowhere."""
     html = page_of(results)
-    for chart in ("time", "distribution", "steps", "tradeoff"):
-        assert html.count(f'id="chart-{chart}"') == 1, chart
-    assert len(re.findall(r'"name":"static-screen"', html)) >= 4 + 2 + 1 + 4
-    assert not re.search(r'"name":"[^"]*Raises"', html)
+    charts = dict(re.findall(r'id="chart-([\w-]+)"(.*?)</figure>', html, re.DOTALL))
+    chosen = inks(results.comparison)
+    for name in ("work", "lag", "pops", "error", "work-tail", "frame-tail", "flicker", "step-0"):
+        for policy in results.comparison.policies:
+            drawn = f'data-p="{chosen[policy.label].index}"' in charts[name]
+            expected = policy.status == "ok" and policy.same_as is None
+            assert drawn == expected, (name, policy.label)
+    assert {"tradeoff", "switches", "above"} <= set(charts)
 
 
 def test_same_results_same_page(results: Compared) -> None:
@@ -230,3 +368,12 @@ def test_tail_is_thinned_in_its_body_only() -> None:
     assert len(x) <= 601
     assert x[-500:].tolist() == np.arange(9_500.0, 10_000.0).tolist()
     assert share[-1] == pytest.approx(1e-4)
+
+
+def test_stairs_and_thinning_by_hand() -> None:
+    """A step falls at its value and goes on to the next; few values stay, of many both ends."""
+    x, y = stairs(np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 0.25]))
+    assert x.tolist() == [1.0, 1.0, 2.0, 2.0, 4.0]
+    assert y.tolist() == [1.0, 0.5, 0.5, 0.25, 0.25]
+    assert thinned(np.arange(3.0), 5).tolist() == [0.0, 1.0, 2.0]
+    assert thinned(np.arange(100.0), 3).tolist() == [0.0, 49.0, 99.0]
