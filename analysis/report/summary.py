@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult, Status, knob_text
+from ..verdict.operating_point import SURE
 from .values import format_value
 
 
@@ -20,6 +21,17 @@ class MetricColumn:
         return format_value(policy.value_of(self.metric), percent=self.percent)
 
 
+@dataclass(frozen=True, slots=True)
+class BehindColumn:
+    """What puts a policy behind the rank before, as a column of the short table."""
+
+    header: str = "behind\nby"
+
+    def text(self, policy: PolicyResult) -> str:
+        """Return a word for the metric; empty of the first rank, and of what has none."""
+        return _BEHIND.get(policy.behind_by or "", "")
+
+
 HEADLINE = (
     MetricColumn("visible_error_px", "visible\nerror\npx"),
     MetricColumn("visible_pops_per_s", "visible\npops\n/s"),
@@ -28,6 +40,13 @@ HEADLINE = (
     MetricColumn("lag_ms_mean", "lag\nmean\nms"),
 )
 """Metrics of the order first, then what explains them."""
+
+_BEHIND = {
+    "missing_objects_mean": "holes",
+    "visible_error_px": "error",
+    "visible_pops_per_s": "pops",
+    "work_ms_mean": "work",
+}
 
 
 def rank_text(policy: PolicyResult) -> str:
@@ -50,7 +69,13 @@ def keeps_text(policy: PolicyResult) -> str:
     if keeps is None:
         return ""
     kept = f"{keeps.kept}/{keeps.paths}"
-    return kept if keeps.probability is None else f"{keeps.probability:.2f} {kept}"
+    probability = keeps.probability
+    if probability is None:
+        return kept
+    shown = round(probability, 2)
+    if probability < SURE <= shown:  # rounded up, what misses would seem to pass
+        shown -= 0.01
+    return f"{shown:.2f} {kept}"
 
 
 def shown_policies(comparison: Comparison) -> tuple[PolicyResult, ...]:

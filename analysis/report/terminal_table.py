@@ -8,6 +8,7 @@ from ..study.comparison_parts import PolicyResult
 from .console_tables import plain_table
 from .summary import (
     HEADLINE,
+    BehindColumn,
     MetricColumn,
     describe_run,
     folded,
@@ -66,7 +67,7 @@ def explain(comparison: Comparison) -> str:
         f"{s.tuned_on}.\n"
         "Ranks are of those that keep it with .9 or more, by visible error (beyond "
         f"{comparison.visible:g} px), then visible pops, then work; within the margin of "
-        f"{comparison.margin:.0%} they share the rank.\n"
+        f"{comparison.margin:.0%} they share the rank; behind by: what told it from those before.\n"
         f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
         f"{draws}."
     )
@@ -76,7 +77,7 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
     """Return the headline, as many of its columns beside each other as fit."""
     label_width = max(_LABEL_WIDTH, console.width - _NUMBERS_WIDTH)
     unbounded = console.options.update(max_width=1000)
-    left = HEADLINE
+    left: tuple[BehindColumn | MetricColumn, ...] = (BehindColumn(), *HEADLINE)
     while left:
         tables = [
             _short_table(comparison, left[:count], label_width) for count in range(len(left), 0, -1)
@@ -89,7 +90,9 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
 
 
 def _short_table(
-    comparison: Comparison, columns: tuple[MetricColumn, ...], label_width: int
+    comparison: Comparison,
+    columns: tuple[BehindColumn | MetricColumn, ...],
+    label_width: int,
 ) -> "Table":
     from rich.text import Text
 

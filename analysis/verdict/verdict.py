@@ -212,7 +212,7 @@ def _in_order(
         if stands_for not in place:
             return result
         group, _ = place[stands_for]
-        return replace(result, rank=group.rank, leader=group.leader)
+        return replace(result, rank=group.rank, leader=group.leader, behind_by=group.behind_by)
 
     def key(result: PolicyResult) -> tuple[object, ...]:
         stands_for = result.same_as or result.label

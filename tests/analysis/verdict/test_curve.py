@@ -1,6 +1,7 @@
 """Trade-off curves, and the area between two of them integrated by hand."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,12 @@ def curve(work_ms: list[float], error_px: list[float]) -> Curve:
     work, error = (np.array(of)[:, None] * PATHS for of in (work_ms, error_px))
     nothing = np.zeros_like(work)
     return Curve(np.arange(len(work) * 1.0), work, 0.6 * work, error, nothing, nothing)
+
+
+def alone(work_ms: list[float], error_px: list[float]) -> tuple[np.ndarray, ...]:
+    """Return what a curve on a single path is made of, but for its knob."""
+    work, error = np.array(work_ms)[:, None], np.array(error_px)[:, None]
+    return work, 0.6 * work, error, np.zeros_like(work), np.zeros_like(work)
 
 
 def test_half_the_error_everywhere_is_minus_fifty_per_cent() -> None:
@@ -47,6 +54,18 @@ def test_a_bend_by_hand() -> None:
     bent = curve([1.0, math.e, math.e**2], [1.0, math.e, math.e])
     mean = (0.5 + 1.5 / 12 + 1.0) / 2
     assert area_between(flat, bent) == pytest.approx(100 * math.expm1(mean), rel=1e-9)
+
+
+def test_area_agrees_with_another_library() -> None:
+    """Bjøntegaard's rate at equal quality is our error at equal work, to a millionth."""
+    bjontegaard: Any = pytest.importorskip("bjontegaard")
+    work, error = [2.0, 3.1, 5.0, 9.5, 16.0], [8.0, 5.5, 2.6, 1.2, 0.4]
+    other_work, other_error = [2.5, 4.0, 6.0, 8.0, 14.0], [7.9, 4.4, 1.9, 1.3, 0.3]
+    oracle = bjontegaard.bd_rate(error, np.log(work), other_error, np.log(other_work), "pchip")
+    curves = [
+        Curve(np.arange(5.0), *alone(a, b)) for a, b in ((work, error), (other_work, other_error))
+    ]
+    assert area_between(*curves) == pytest.approx(oracle, rel=1e-6)
 
 
 def test_only_the_common_range_counts() -> None:
