@@ -249,6 +249,28 @@ class Elsewhere:
 
 
 @dataclass(frozen=True, slots=True)
+class Costlier:
+    """Who ranks first with a cost that nobody measured, read off curves of runs priced again.
+
+    Attributes
+    ----------
+    cost : str
+        In words that follow "with".
+    stands : bool
+        Whether the leader of the first rank stays in it.
+    first : tuple of str
+        Labels that share the first rank, the leader first; empty where no curve keeps the budget.
+    misses : tuple of str
+        Labels whose curve does not reach the budget.
+    """
+
+    cost: str
+    stands: bool
+    first: tuple[str, ...]
+    misses: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Robustness:
     """Over what the first rank stands, read off the curves.
 
@@ -260,11 +282,14 @@ class Robustness:
         Range of the machine's speed, as a factor within 0.5 to 2, over which it stays first.
     budgets : tuple of Elsewhere
         At 30, 60, 90 and 120 Hz.
+    costs : tuple of Costlier
+        With each cost that was tried; empty where frame logs do not count what it is of.
     """
 
     leader: str
     speed: Span
     budgets: tuple[Elsewhere, ...]
+    costs: tuple[Costlier, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

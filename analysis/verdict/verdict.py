@@ -9,6 +9,7 @@ from ...base.arrays import FloatArray
 from ..metrics.worst_moment import Moment
 from ..study.comparison_parts import (
     Chances,
+    Costlier,
     Curve,
     Elsewhere,
     Keeps,
@@ -266,7 +267,12 @@ def _robustness(curves: Mapping[str, curves_of.Curve], terms: Terms) -> Robustne
     budgets = tuple(
         Elsewhere(hz, 1e3 / hz, first, found.misses[hz]) for hz, first in found.at_refresh.items()
     )
-    return Robustness(found.first[0], (found.speed_low, found.speed_high), budgets)
+    leader = found.first[0]
+    costs = tuple(
+        Costlier(cost, leader in first, first, found.misses_with[cost])
+        for cost, first in found.with_costs.items()
+    )
+    return Robustness(leader, (found.speed_low, found.speed_high), budgets, costs)
 
 
 def _shown_curves(

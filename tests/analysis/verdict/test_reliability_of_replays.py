@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 
 from lodbench.analysis.study.engine.open_engine import open_engine
 from lodbench.analysis.study.paths import load_paths
