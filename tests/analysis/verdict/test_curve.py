@@ -19,10 +19,11 @@ def curve(work_ms: list[float], error_px: list[float]) -> Curve:
     return Curve(np.arange(len(work) * 1.0), work, 0.6 * work, error, nothing, nothing)
 
 
-def alone(work_ms: list[float], error_px: list[float]) -> tuple[np.ndarray, ...]:
-    """Return what a curve on a single path is made of, but for its knob."""
+def alone(work_ms: list[float], error_px: list[float]) -> Curve:
+    """Return a curve on a single path."""
     work, error = np.array(work_ms)[:, None], np.array(error_px)[:, None]
-    return work, 0.6 * work, error, np.zeros_like(work), np.zeros_like(work)
+    nothing = np.zeros_like(work)
+    return Curve(np.arange(len(work) * 1.0), work, 0.6 * work, error, nothing, nothing)
 
 
 def test_half_the_error_everywhere_is_minus_fifty_per_cent() -> None:
@@ -62,9 +63,7 @@ def test_area_agrees_with_another_library() -> None:
     work, error = [2.0, 3.1, 5.0, 9.5, 16.0], [8.0, 5.5, 2.6, 1.2, 0.4]
     other_work, other_error = [2.5, 4.0, 6.0, 8.0, 14.0], [7.9, 4.4, 1.9, 1.3, 0.3]
     oracle = bjontegaard.bd_rate(error, np.log(work), other_error, np.log(other_work), "pchip")
-    curves = [
-        Curve(np.arange(5.0), *alone(a, b)) for a, b in ((work, error), (other_work, other_error))
-    ]
+    curves = alone(work, error), alone(other_work, other_error)
     assert area_between(*curves) == pytest.approx(oracle, rel=1e-6)
 
 

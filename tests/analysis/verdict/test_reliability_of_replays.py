@@ -135,8 +135,8 @@ def studies(kind: str, count: int, number: int, policies: Sequence[str]) -> np.n
             keeps = policy.keeps_budget
             assert keeps is not None
             assert keeps.probability is not None
-            kept = [everywhere[policy.label][path].judged_ms <= budget_ms for path in fresh]
-            rows.append((0.0, keeps.probability, float(np.mean(kept))))
+            took_ms = np.array([everywhere[policy.label][path].judged_ms for path in fresh])
+            rows.append((0.0, keeps.probability, float((took_ms <= budget_ms).mean())))
         said = verdict.order.p_best
         if said:
             first = max(said, key=said.__getitem__)
