@@ -22,6 +22,7 @@ from . import curve as curves_of
 from .answer import ORDER, SEEN, answer
 from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
+from .folds import folds
 from .judged import Judged
 from .keeping import keeping, p_keeps
 from .operating_point import SURE
@@ -242,9 +243,15 @@ def _chances(
     def shown(of: chances_of.Chances) -> Chances:
         return Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
 
-    each = {item.name: shown(chances_of.chances(item, seed=seed)) for item in criteria}
+    paths = len(rivals[0].runs)
+    tuned = any(item.knob is not None and item.knob.tuned for item in rivals)
+    # One path alone is judged at knobs that its noise had no part in.
+    spread = chances_of.tuning_spread(len(folds(paths))) if tuned and paths > 1 else 1.0
+    each = {
+        item.name: shown(chances_of.chances(item, seed=seed, spread=spread)) for item in criteria
+    }
     # What choosing wrongly costs is told in what is seen.
-    order = chances_of.order_chances(criteria, seed=seed, regret_in=SEEN[0])
+    order = chances_of.order_chances(criteria, seed=seed, regret_in=SEEN[0], spread=spread)
     return shown(order), each
 
 
