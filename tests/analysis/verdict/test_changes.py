@@ -62,7 +62,7 @@ def make_compared(
         curve={},
         worst_moments={},
         robustness=None,
-        unit_costs=UnitCosts({"triangles": 0.002, "draw_calls": 0.5}, {"draw_calls": 0.1}),
+        unit_costs=UnitCosts({"triangles": 0.002, "framebuffer_pixels": 0.5}, {"draw_calls": 0.1}),
         provenance=Provenance("", "0", "", {}, ""),
     )
     given = {name: np.asarray(values.get(name, 1.0), np.float64) for name in WATCHED}
