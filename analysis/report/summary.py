@@ -21,17 +21,6 @@ class MetricColumn:
         return format_value(policy.value_of(self.metric), percent=self.percent)
 
 
-@dataclass(frozen=True, slots=True)
-class BehindColumn:
-    """What puts a policy behind the rank before, as a column of the short table."""
-
-    header: str = "behind\nby"
-
-    def text(self, policy: PolicyResult) -> str:
-        """Return a word for the metric; empty of the first rank, and of what has none."""
-        return _BEHIND.get(policy.behind_by or "", "")
-
-
 HEADLINE = (
     MetricColumn("visible_error_px", "visible\nerror\npx"),
     MetricColumn("visible_pops_per_s", "visible\npops\n/s"),
@@ -54,6 +43,11 @@ def rank_text(policy: PolicyResult) -> str:
     if policy.oracle:
         return "oracle"
     return "misses" if policy.rank is None else str(policy.rank)
+
+
+def behind_text(policy: PolicyResult) -> str:
+    """Return a word for what put a policy behind the rank before; empty of what has none."""
+    return _BEHIND.get(policy.behind_by or "", "")
 
 
 def knob_words(policy: PolicyResult) -> str:

@@ -8,8 +8,8 @@ from ..study.comparison_parts import PolicyResult
 from .console_tables import plain_table
 from .summary import (
     HEADLINE,
-    BehindColumn,
     MetricColumn,
+    behind_text,
     describe_run,
     folded,
     keeps_text,
@@ -67,7 +67,8 @@ def explain(comparison: Comparison) -> str:
         f"{s.tuned_on}.\n"
         "Ranks are of those that keep it with .9 or more, by visible error (beyond "
         f"{comparison.visible:g} px), then visible pops, then work; within the margin of "
-        f"{comparison.margin:.0%} they share the rank; behind by: what told it from those before.\n"
+        f"{comparison.margin:.0%} they share the rank; beside it: what told it from those "
+        "before.\n"
         f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
         f"{draws}."
     )
@@ -77,7 +78,7 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
     """Return the headline, as many of its columns beside each other as fit."""
     label_width = max(_LABEL_WIDTH, console.width - _NUMBERS_WIDTH)
     unbounded = console.options.update(max_width=1000)
-    left: tuple[BehindColumn | MetricColumn, ...] = (BehindColumn(), *HEADLINE)
+    left = HEADLINE
     while left:
         tables = [
             _short_table(comparison, left[:count], label_width) for count in range(len(left), 0, -1)
@@ -91,7 +92,7 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
 
 def _short_table(
     comparison: Comparison,
-    columns: tuple[BehindColumn | MetricColumn, ...],
+    columns: tuple[MetricColumn, ...],
     label_width: int,
 ) -> "Table":
     from rich.text import Text
@@ -111,7 +112,12 @@ def _short_table(
         before = rank
         style = "bold green" if rank == "1" else ""
         cells = (column.text(policy) for column in columns)
-        names = (rank, Text(policy.label), Text(knob_words(policy)), keeps_text(policy))
+        names = (
+            f"{rank} {behind_text(policy)}".rstrip(),
+            Text(policy.label),
+            Text(knob_words(policy)),
+            keeps_text(policy),
+        )
         table.add_row(*names, *cells, style=style)
     return table
 

@@ -8,8 +8,8 @@ from ..blocks import Across, Cell, Paragraph, Table
 from ..results import Results, section
 from ..summary import (
     HEADLINE,
-    BehindColumn,
     MetricColumn,
+    behind_text,
     keeps_text,
     knob_words,
     rank_text,
@@ -40,7 +40,7 @@ def _rows(results: Results) -> Iterator[tuple[Cell | str, ...] | Across]:
         before = rank
         name = results.name_of(policy)
         cells = (results.value_of(policy, column) for column in HEADLINE)
-        yield rank, name, knob_words(policy), _keeps(policy), BehindColumn().text(policy), *cells
+        yield rank, name, knob_words(policy), _keeps(policy), behind_text(policy), *cells
 
 
 def _keeps(policy: PolicyResult) -> Cell:

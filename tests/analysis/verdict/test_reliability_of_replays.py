@@ -132,7 +132,9 @@ def studies(kind: str, count: int, number: int, policies: Sequence[str]) -> np.n
         rivals = rivals_of(rng, pool, chosen, budget_ms)
         terms = Terms(budget_ms, 0.1, "such paths", tuple(map(str, chosen)), study)
         verdict = reach_verdict([rival.judged for rival in rivals], [], {}, terms)
-        everywhere = {rival.judged.label: rival.everywhere for rival in rivals}
+        everywhere: dict[str, Sequence[Scored]] = {
+            rival.judged.label: rival.everywhere for rival in rivals
+        }
         for policy in verdict.policies:
             keeps = policy.keeps_budget
             assert keeps is not None
