@@ -36,6 +36,7 @@ COMMANDS = {
     "badly.",
     "validate": "Compare simulated with measured: errors of frame times, metrics, and order of "
     "policies.",
+    "reproduce": "Carry out the experiments of papers, and print each beside what it reported.",
     "list": "List policies, scenes, traces, hardware, metrics or formats of files.",
     "scene": "Build scenes from meshes, and look at them.",
     "trace": "Look at camera traces, convert them, and generate them.",

@@ -8,6 +8,7 @@ import pytest
 
 import lodbench
 from lodbench.analysis.study.inputs import as_trace
+from lodbench.base.errors import InputError
 from lodbench.traces.cameras.read_trace import FORMATS, read_trace
 from lodbench.traces.cameras.read_trace import register_format as register_trace_format
 from lodbench.traces.cameras.trace_format import TraceFormat
@@ -115,7 +116,7 @@ def test_a_fault_of_ours_is_no_input_error(given: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(LOG_FORMATS, "_users", {"ours": LogFormat("l", fail, fail)})
     with pytest.raises(ZeroDivisionError):
         read_trace(str(given))
-    with pytest.raises(InputError, match="cannot be read .ZeroDivisionError"):
+    with pytest.raises(InputError, match="ZeroDivisionError"):
         read_render_log(given)
 
 

@@ -1,0 +1,1 @@
+"""Each paper's experiments: what it printed beside what the simulator gives."""

@@ -1,0 +1,1 @@
+"""Funkhouser and Sequin: the order of algorithms on the Soda Hall model."""

@@ -1,0 +1,1 @@
+"""Gobbetti and Bouvier: time-critical multiresolution scene rendering."""

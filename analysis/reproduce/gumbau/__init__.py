@@ -1,0 +1,1 @@
+"""Gumbau, Chover and others: a manager of levels that objects share."""

@@ -1,0 +1,5 @@
+"""Which experiments of the paper there are."""
+
+from ..experiment import Experiment
+
+EXPERIMENTS: tuple[Experiment, ...] = ()

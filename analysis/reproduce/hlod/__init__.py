@@ -1,0 +1,1 @@
+"""The thesis on hierarchical levels of detail with hysteresis."""

@@ -1,0 +1,1 @@
+"""Peng, Lee and Cao: crowds with levels of detail on the GPU."""

@@ -1,0 +1,1 @@
+"""Zach, Mantler and Karner: time-critical rendering of discrete and continuous levels."""
