@@ -34,6 +34,7 @@ _BEHIND = {
     "missing_objects_mean": "holes",
     "visible_error_px": "error",
     "visible_pops_per_s": "pops",
+    "lag_ms_mean": "lag",
     "work_ms_mean": "work",
 }
 
