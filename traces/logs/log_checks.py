@@ -65,7 +65,7 @@ def _capped(log: RenderLog, name: TimeName) -> str | None:
     if name != "frame_ms":
         return None
     names: tuple[TimeName, ...] = ("gpu_ms", "cpu_ms")
-    busy = [other for other in names if other in log.times]
+    busy: list[TimeName] = [other for other in names if other in log.times]
     load = [log.counts, *(log.time(other)[:, np.newaxis] for other in busy)]
     rate = capped_at_hz(log.time(name), _without_holes(np.hstack(load)))
     if rate is None:
