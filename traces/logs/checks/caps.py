@@ -89,8 +89,8 @@ def explained(load: FloatArray, time_ms: FloatArray) -> float:
     total = float(centred @ centred)
     if total <= 0.0 or not away.size:
         return 0.0
-    found: Any = np.linalg.lstsq(away, centred, rcond=1e-9)
-    rest: FloatArray = centred - away @ found[0]
+    solve: Any = np.linalg.lstsq
+    rest: FloatArray = centred - away @ solve(away, centred, rcond=1e-9)[0]
     degrees = max(len(time_ms) - 1 - away.shape[1], 1)
     return 1.0 - float(rest @ rest) / degrees / (total / (len(time_ms) - 1))
 
