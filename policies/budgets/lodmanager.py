@@ -30,6 +30,7 @@ from ..shared.ranges import (
     check_parameters,
 )
 from ..shared.reports import Reports
+from ..shared.visit_order import in_order
 from ..view import View
 
 
@@ -222,7 +223,7 @@ class LodManager:
         gap[shown < 0] = np.inf
         at = self._concerned(seen, differs)
         visits = n if len(at) else 0
-        return _Turns(_in_order(seen, lod, slot, gap, at), visits, int(np.count_nonzero(differs)))
+        return _Turns(in_order(seen, lod, slot, gap, at), visits, int(np.count_nonzero(differs)))
 
     def _turns_of_list(self, seen: View, lod: FloatArray, slot: IntArray, places: int) -> _Turns:
         """Return whose turn it is, and keep the list of the frame that follows."""
@@ -236,7 +237,7 @@ class LodManager:
         borrows &= differs & (gap > 0.0) & (levels.holder.take(slot) >= 0)
         gap[new] = np.inf
         at = np.flatnonzero(differs & (inside | borrows))
-        turns = _in_order(seen, lod, slot, gap, at)[: max(places, int(np.count_nonzero(new)))]
+        turns = in_order(seen, lod, slot, gap, at)[: max(places, int(np.count_nonzero(new)))]
         likely = np.flatnonzero(~differs & inside)
         likely = likely[np.lexsort((seen.distance_m[likely], -gap[likely]))]
         self._list = ids[np.concatenate((turns, likely))[:places]]
@@ -300,25 +301,3 @@ def _slots_by_type(names: Sequence[str], slots: int, others: str) -> IntArray:
             raise InputError(f"lodmanager: slots_of: expected {name}:slots, 1 or more, got {part}")
         count[names.index(name)] = int(number)
     return count
-
-
-def _in_order(
-    seen: View, lod: FloatArray, slot: IntArray, gap: FloatArray, at: IntArray
-) -> IntArray:
-    """Return positions by falling gap, of equal ones from the median of their slot outwards."""
-    off_median = np.abs(lod[at] - _median_of_slot(lod, slot, at))
-    return at[np.lexsort((seen.distance_m[at], off_median, -gap[at]))]
-
-
-def _median_of_slot(lod: FloatArray, slot: IntArray, at: IntArray) -> FloatArray:
-    """Return for objects at some positions the lower median of the factors wanted in their slot."""
-    if not len(at):
-        return np.zeros(0)
-    asked = np.zeros(int(slot.max()) + 1, dtype=np.bool_)
-    asked[slot[at]] = True
-    some = asked.take(slot).nonzero()[0]
-    some = some[np.lexsort((lod[some], slot[some]))]
-    ordered = slot[some]
-    first = np.searchsorted(ordered, slot[at], side="left")
-    last = np.searchsorted(ordered, slot[at], side="right") - 1
-    return lod[some[(first + last) // 2]]

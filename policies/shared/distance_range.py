@@ -29,7 +29,8 @@ def distance_range(
         return _NEAR_RADII * radius_m, _FAR_RADII * radius_m
     near = far_m / ratio if near_m is None and far_m is not None else near_m
     far = near_m * ratio if far_m is None and near_m is not None else far_m
-    assert near is not None and far is not None
+    assert near is not None
+    assert far is not None
     if not 0.0 <= near < far:
         raise InputError(f"{policy}: expected 0 <= near_m < far_m, got {near:g} and {far:g}")
     return np.full(len(scene), near), np.full(len(scene), far)

@@ -272,7 +272,7 @@ def test_types_may_have_slots_of_their_own(
     assert detail[0] == detail[1]
     assert detail[2:] == pytest.approx(resolution_of([0.6, 0.9]))
     for wrong in ("nobody:3", name, f"{name}:0", f"{name}:x", "3"):
-        with pytest.raises(InputError, match="lodmanager: slots_of: expected .*, got"):
+        with pytest.raises(InputError, match=r"lodmanager: slots_of: expected .*, got"):
             manager(scene, slots_of=wrong)
 
 
