@@ -15,7 +15,6 @@ from ..shared.ranges import NotNegative, Positive, Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
 
-
 _CLOSE = 1.01
 """Over the tolerance that led above m, one that need not come nearer: less than a level's step."""
 

@@ -17,7 +17,7 @@ extent of its own size, and was coarsest from arm's length on.
 def distance_range(
     policy: str, scene: Scene, near_m: float | None, far_m: float | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the given distances for every node, or for None 4 and 80 radii of its own sphere, (N,).
+    """Return the given distances for every node, or for None 4 and 80 of its own radii, (N,).
 
     Where only one is given, the other is 20 times as far or as near.  Raises `InputError` if they
     are not in order; `policy` is named in the message.
