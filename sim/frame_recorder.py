@@ -10,6 +10,7 @@ from ..base.arrays import BoolArray, FloatArray
 from ..base.errors import PolicyError
 from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
+from ..models.machine.cost_terms.term import LevelChanges
 from ..models.machine.frame_cost import FrameCost
 from ..models.scene.camera import Camera
 from ..models.scene.scene import Scene
@@ -18,7 +19,8 @@ from ..policies.selection import Selection
 from ..policies.view import View
 from .accounting.accounting import Accounting, Tally
 from .accounting.benefit_bound import BenefitBound
-from .accounting.extraction import IndexSets
+from .accounting.extraction import Extraction, IndexSets
+from .accounting.first_uses import FirstUses
 from .accounting.fronts import Fronts
 from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
@@ -35,7 +37,7 @@ _PREDICTORS: tuple[str, ...] = (
     "comparisons",
     "iterations",
     "levels_extracted",
-    "triangles_extracted",
+    "triangles_changed",
     "levels_borrowed",
     "objects_culled",
 )
@@ -104,7 +106,7 @@ class FrameRecorder:
         self._quality = FlatQuality(scene) if tree is None else TreeQuality(tree)
         self._errors = ScreenErrors(options.visible_px)
         self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
-        self._index_sets = IndexSets(scene)
+        self._index_sets, self._first_uses = IndexSets(scene), FirstUses(scene.types.levels)
         self._machine, self._memory, self._policy = machine, memory, policy
         self._loaded_bytes = 0
         self._rows = CountRows(_ROW)
@@ -135,8 +137,13 @@ class FrameRecorder:
         switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
-        tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
-        counts = (*tally.price.units, *self._cpu_counts(view, selection, drawn))
+        extraction = self._extract(view, selection, drawn)
+        first = self._first_uses.record(drawn.row.take(accounting.switches.changed))
+        changes = LevelChanges(
+            switches.levels_changed, first.levels, first.bytes + extraction.bytes
+        )
+        tally = accounting.tally(view.time_ns, drawn, selection.render_scale, changes)
+        counts = (*tally.price.units, *_cpu_counts(view, selection, extraction))
         named = dict(zip(_PREDICTORS, counts, strict=True))
         gpu_ms = tally.price.gpu_ms
         times = self._machine.run(Submitted(view, selection, drawn, named, gpu_ms))
@@ -166,22 +173,12 @@ class FrameRecorder:
         """Return what was recorded of the frames so far (`FrameLog.counts`)."""
         return self._rows.table()
 
-    def _cpu_counts(self, view: View, selection: Selection, drawn: Drawn) -> tuple[float, ...]:
-        """Return what a frame asks of the CPU beside its draw calls."""
+    def _extract(self, view: View, selection: Selection, drawn: Drawn) -> Extraction:
+        changed = self._accounting.switches.changed
         try:
-            extraction = self._index_sets.record(selection, drawn)
+            return self._index_sets.record(selection, drawn, changed)
         except ValueError as error:
             raise PolicyError(self._policy, view.frame, str(error)) from error
-        work = selection.work
-        return (
-            work.objects_visited,
-            work.comparisons,
-            work.iterations,
-            extraction.levels,
-            extraction.triangles,
-            extraction.borrowed,
-            len(view.scene),
-        )
 
     def _shown(
         self, view: View, render_scale: float, drawn: Drawn, tally: Tally
@@ -208,6 +205,20 @@ class FrameRecorder:
         """Return the bytes that the loader read since the frame before."""
         before, self._loaded_bytes = self._loaded_bytes, self._memory.loaded_bytes
         return self._loaded_bytes - before
+
+
+def _cpu_counts(view: View, selection: Selection, extraction: Extraction) -> tuple[float, ...]:
+    """Return what a frame asks of the CPU beside its draw calls and changes of level."""
+    work = selection.work
+    return (
+        work.objects_visited,
+        work.comparisons,
+        work.iterations,
+        extraction.levels,
+        extraction.triangles_changed,
+        extraction.borrowed,
+        len(view.scene),
+    )
 
 
 def _culled(selection: Selection, inside: BoolArray) -> Selection:

@@ -173,10 +173,15 @@ class CameraTrace:
         if cosine < 0.0:
             b = -b
         u = 1.0 - t
-        return Pose(
-            (u * x + t * nx, u * y + t * ny, u * z + t * nz),
-            (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw),
-        )
+        position = (u * x + t * nx, u * y + t * ny, u * z + t * nz)
+        turned = (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw)
+        # Products of shares round: what is equal at both ends is that to the last bit in between,
+        # so that a camera at rest sees the same picture in every frame.
+        if x == nx and y == ny and z == nz:
+            position = (x, y, z)
+        if (qx, qy, qz, qw) in ((rx, ry, rz, rw), (-rx, -ry, -rz, -rw)):
+            turned = (qx, qy, qz, qw)
+        return Pose(position, turned)
 
 
 def first_too_late(time_s: FloatArray) -> int | None:
