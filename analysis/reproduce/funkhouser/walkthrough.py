@@ -1,6 +1,7 @@
 """The walk through Soda Hall: the spread of frame times without detail elision and with three."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def _machine() -> HardwareProfile:
     )
 
 
-def _trials(reduced: bool) -> Sequence[Trial]:  # noqa: FBT001 - as `Experiment` has it
+def _trials(reduced: bool) -> Sequence[Trial]:
     policies = _ORDER if reduced else _ORDER | _VARIANTS
     return [
         trial(
@@ -78,7 +79,7 @@ def _trials(reduced: bool) -> Sequence[Trial]:  # noqa: FBT001 - as `Experiment`
     ]
 
 
-def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:  # noqa: FBT001
+def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     seeds = range(1 if reduced else _SEEDS)
 
     def times(name: str, *, short: bool) -> list[FloatArray]:
@@ -142,12 +143,11 @@ def _order_claim(where: str, frames: Mapping[str, list[FloatArray]]) -> Claim:
     by_seed = [[float(np.std(run)) for run in runs] for runs in frames.values()]
     # The order in every seed, neighbour by neighbour.
     agree = [
-        sum(a > b for a, b in zip(one, other, strict=True))
-        for one, other in zip(by_seed, by_seed[1:], strict=False)
+        sum(a > b for a, b in zip(one, other, strict=True)) for one, other in pairwise(by_seed)
     ]
     count = len(by_seed[0])
     values = list(spread.values())
-    falls = all(a > b for a, b in zip(values, values[1:], strict=False))
+    falls = all(a > b for a, b in pairwise(values))
     ends = values[0] > max(values[1:]) and values[-1] < min(values[:-1])
     told = ", ".join(
         f"{name} {value:.1f} (mean {_mean(frames[name]):.0f})" for name, value in spread.items()
