@@ -5,8 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ....base.arrays import FloatArray
+from ....models.scene.scene import Scene
 from ....models.scene.scene_catalog import load_scene
+from ....policies.budgets.gobbetti import Gobbetti
 from ....policies.registry import parse_policy
+from ....policies.selection import Selection
+from ....policies.shared.observer import Watched, watch
+from ....policies.view import View
 from ....sim.replay import replay
 from ....sim.replay_options import ReplayOptions
 from ...study.engine.task import Beat
@@ -17,12 +22,30 @@ from .machine import COMPARISON_US, CONSTANTS, OPTIMISE_SHARE, TARGET_MS, machin
 
 _POLICIES = {
     "search": "gobbetti",
-    "optimum": "gobbetti:engine=newton",
     "one clock": f"gobbetti:ahead={OPTIMISE_SHARE}",
     "feedback": "feedback",
 }
 _NOISE = (0.0, 0.03)
 _SEEDS, _SECONDS = 5, 30.0
+
+
+class _Beside(Watched):
+    """Beside the search the optimum of the same frame, found without what the last frame knew."""
+
+    def reset(self, scene: Scene, budget_ms: float) -> None:
+        """Reset both."""
+        super().reset(scene, budget_ms)
+        self._optimum = Gobbetti(engine="newton")
+        self._optimum.reset(scene, budget_ms)
+        self.ratios: list[float] = []
+
+    def select(self, view: View) -> Selection:
+        """Let the search select, and note its degradation over the optimum's."""
+        selection = super().select(view)
+        worth = self._optimum.degradation(view)
+        best = float((worth / self._optimum.select(view).detail).sum())
+        self.ratios.append(float((worth / selection.detail).sum()) / best if best else 1.0)
+        return selection
 
 
 def measure(*, policy: str, noise: float, seed: int, seconds: float, beat: Beat) -> Numbers:
@@ -31,9 +54,10 @@ def measure(*, policy: str, noise: float, seed: int, seconds: float, beat: Beat)
     trace = find_stage(scene).move("sudden-turn", seconds, seed)
     spec = parse_policy(policy)
     options = ReplayOptions(budget_ms=TARGET_MS, seed=seed)
-    hardware = machine(noise)
-    log = replay(spec.make(), scene, trace, hardware, options, name=spec.label, beat=beat)
-    return numbers_of(log)
+    made = spec.make()
+    beside = watch(made, _Beside) if policy == _POLICIES["search"] else None
+    log = replay(beside or made, scene, trace, machine(noise), options, name=spec.label, beat=beat)
+    return numbers_of(log) | ({"over_optimum": beside.ratios} if beside else {})
 
 
 def _trials(reduced: bool) -> Sequence[Trial]:
@@ -67,11 +91,13 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     exact, noisy = (of("search", noise, "display_ms") for noise in _NOISE)
     full, visible = of("search", 0.0, "full_ms"), of("search", 0.0, "visible")
     over, far_over = float((noisy > TARGET_MS).mean()), float((noisy > 1.1 * TARGET_MS).mean())
+    short = of("search", 0.03, "full_ms") > TARGET_MS
+    busy = float((noisy[short] > TARGET_MS).mean())
     whole = of("one clock", 0.03, "frame_ms")
     select = of("search", 0.0, "select_ms")
     within = float((select <= OPTIMISE_SHARE * TARGET_MS).mean())
     passes = of("search", 0.0, "passes")
-    worse = of("search", 0.0, "degradation") / of("optimum", 0.0, "degradation")
+    worse = of("search", 0.0, "over_optimum")
     lag_ms = of("feedback", 0.0, "display_ms")
     held = bool(exact.max() <= TARGET_MS * (1.0 + 1e-9))
     # What a comparison might cost until a twentieth of the frames no longer fit.
@@ -89,8 +115,8 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
         Claim(
             "the same with 3 % noise, which no prediction can know",
             "frame time maintained; numbers lost",
-            f"{100 * over:.1f} % of frames above the target, {100 * far_over:.2f} % by more than "
-            f"10 %, at most {noisy.max():.1f} ms",
+            f"{100 * over:.1f} % of frames above the target ({100 * busy:.0f} % of those in which "
+            f"time is short), {100 * far_over:.2f} % by more than 10 %, at most {noisy.max():.1f} ms",
             "1 % of frames above by 10 %",
             verdict_of(far_over <= 0.01, f"{100 * far_over:.1f} % of frames are"),
         ),
@@ -137,6 +163,11 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
         (
             "Costs being exact, predicted and measured times are the same by construction: the "
             "first claim is of the search, and says nothing of how a cost model fits a machine."
+        ),
+        (
+            "With noise about half of the frames in which time is short exceed a target that is "
+            "spent in full; a reserve (`aim`, or that of `ahead`) of three times the noise is what "
+            "keeps it."
         ),
         (
             f"The share of optimising rests on the assumed {COMPARISON_US:g} µs of a comparison.  "

@@ -12,6 +12,7 @@ from ..experiment import Constant
 PROFILE = "athlon64-6800ultra-assumed"
 CHANGED_NS: Final = 30.0
 BYTE_NS: Final = 1.0
+_VISITED_NS, _COMPARISON_NS = 50.0, 10.0
 NEAR_M, FAR_M = 2.0, 90.0
 SLOTS = 32
 
@@ -21,6 +22,9 @@ CONSTANTS = {
     "machine": Constant(f"`{PROFILE}`", "assumed", "its name is printed, no cost is"),
     "changed triangle": Constant(f"{CHANGED_NS:g} ns", "assumed", "swept"),
     "byte uploaded": Constant(f"{BYTE_NS:g} ns", "assumed", "writes over AGP 8x, 1 GB/s"),
+    "object looked at, comparison": Constant(
+        f"{_VISITED_NS:g} and {_COMPARISON_NS:g} ns", "assumed", "100 and 20 cycles of 2 GHz"
+    ),
     "call of an upload": Constant("0 to 300 µs", "assumed", "swept; decides the answer"),
     "slots N_T": Constant(f"{SLOTS}", "assumed", "left to the user"),
     "range": Constant(f"{NEAR_M:g} to {FAR_M:g} m", "assumed", "not printed"),
@@ -44,6 +48,8 @@ def machine(call_us: float, changed_ns: float, *, whole: bool) -> HardwareProfil
     hardware = load_hardware(PROFILE)
     costs = dict(zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True))
     costs |= {
+        "objects_visited": 1e-6 * _VISITED_NS,
+        "comparisons": 1e-6 * _COMPARISON_NS,
         "levels_extracted": 1e-3 * call_us,
         "triangles_changed": 1e-6 * changed_ns,
         "bytes_uploaded": 1e-6 * BYTE_NS if whole else 0.0,

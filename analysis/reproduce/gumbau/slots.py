@@ -11,7 +11,7 @@ from .machine import CONSTANTS, manager
 
 _SLOTS = (4, 8, 16, 32, 64, 128)
 _PATHS = ("drive", "walk")
-_SEEDS, _SECONDS = 5, 10.0
+_SEEDS, _SECONDS = 5, 5.0
 
 
 def _trials(reduced: bool) -> Sequence[Trial]:
@@ -24,7 +24,7 @@ def _trials(reduced: bool) -> Sequence[Trial]:
                 "slots": slots,
                 "path": path,
                 "seed": seed,
-                "seconds": 3.0 if reduced else _SECONDS,
+                "seconds": 1.5 if reduced else _SECONDS,
             },
         )
         for slots in (_SLOTS[1::2] if reduced else _SLOTS)
