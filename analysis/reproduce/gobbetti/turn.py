@@ -116,7 +116,8 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
             "the same with 3 % noise, which no prediction can know",
             "frame time maintained; numbers lost",
             f"{100 * over:.1f} % of frames above the target ({100 * busy:.0f} % of those in which "
-            f"time is short), {100 * far_over:.2f} % by more than 10 %, at most {noisy.max():.1f} ms",
+            f"time is short), {100 * far_over:.2f} % by more than 10 %, at most {noisy.max():.1f} "
+            "ms",
             "1 % of frames above by 10 %",
             verdict_of(far_over <= 0.01, f"{100 * far_over:.1f} % of frames are"),
         ),

@@ -158,7 +158,7 @@ def _gain_claim(scene: str, path: str, gain: FloatArray, *, whole: bool) -> Clai
             throughout == 1.0 and median >= _PAYS,
             f"the median gain is {median:.3f}: levels really change too little to be the "
             "bottleneck at this cost",
-            direction=median >= _PAYS,
+            direction=throughout == 1.0 or median >= _PAYS,
         ),
     )
 
