@@ -117,7 +117,7 @@ class LodManager:
     """
 
     slots: PositiveInt = 32  # ours: N_T is left to the user; steps of 3 %
-    slots_of: str = ""  # of types that have others, as ogre:64/tree:16
+    slots_of: str | None = None  # of types that have others, as ogre:64/tree:16
     spacing: Positive = 1.0  # linear; above 1 slots are finer near the eye, as in section 4.3
     sharing: bool = True  # the paper; off is its baseline
     active: PositiveInt | None = None  # N_a, left to the user; None: no list, all in the frustum
@@ -142,7 +142,7 @@ class LodManager:
         self._exponent = 1.0
         self._reports = Reports()
         soft = scene.types.levels.continuous
-        wanted = _slots_by_type(scene.types.names, self.slots, self.slots_of)
+        wanted = _slots_by_type(scene.types.names, self.slots, self.slots_of or "")
         self._slots = np.where(soft, wanted, scene.types.levels.level_count)
         self._first_slot = np.cumsum(self._slots) - self._slots
         self._shares = soft & self.sharing
