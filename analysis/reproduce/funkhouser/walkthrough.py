@@ -160,7 +160,9 @@ def _order_claim(where: str, frames: Mapping[str, list[FloatArray]]) -> Claim:
         "the order of the means",
         verdict_of(
             falls,
-            "the order is " + ", ".join(sorted(spread, key=lambda name: -spread[name])),
+            "the order is "
+            + ", ".join(sorted(spread, key=lambda name: -spread[name]))
+            + "; rooms change at once, and feedback follows many frames late",
             direction=ends,
         ),
     )
