@@ -95,7 +95,7 @@ class LodManager:
     similar, which are the next to need another.  Whoever is neither waits for his slice.  Objects
     outside the frustum count with the factor `outside`, and may borrow before they are seen.  They
     extract nothing, as what is not drawn has no index set here, and have no place where there is
-    nothing to borrow.  Slices are of the array's order, as the paper's visits are.
+    nothing to borrow.  Slices take every so many-th object by place.
 
     An index set whose owner has left the view stays and may be borrowed.
 
@@ -159,7 +159,8 @@ class LodManager:
         )
         self._kept = Kept(self._gather)
         self._levels = SharedLevels(len(scene), int(self._slots.sum()))
-        self._all = np.arange(len(scene), dtype=np.int32)
+        # By place, so that a slice does not depend on numbers, and lies all over the scene.
+        self._all = np.lexsort(scene.center_m.T).astype(np.int32)
         self._list = self._all[:0]
         self._slice = 0
 

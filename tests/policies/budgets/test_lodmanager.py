@@ -339,7 +339,7 @@ def test_numbering_does_not_matter(ogres: Callable[[int], Scene], see: Callable[
     scene = ogres(40)
     rng = np.random.default_rng(4)
     new = rng.permutation(40)
-    # With slices it does: they are of the array's order.
+    # All stand on one spot, so that slices by place would go by number.
     one, other = (manager(scene, slots=6, active=9, refresh=1) for _ in range(2))
     for _ in range(10):
         distance_m = rng.uniform(0.0, 110.0, 40)
