@@ -1,12 +1,11 @@
 """What each frame of a replay draws, costs and shows: counted, timed, and logged by name."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.arrays import BoolArray, FloatArray
+from ..base.arrays import FloatArray
 from ..base.errors import PolicyError
 from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
@@ -22,6 +21,7 @@ from .accounting.benefit_bound import BenefitBound
 from .accounting.extraction import Extraction, IndexSets
 from .accounting.first_uses import FirstUses
 from .accounting.fronts import Fronts
+from .accounting.holes import Holes, only, with_missing
 from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
 from .frame_log import CountRows
@@ -107,6 +107,7 @@ class FrameRecorder:
         self._errors = ScreenErrors(options.visible_px)
         self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
         self._index_sets, self._first_uses = IndexSets(scene), FirstUses(scene.types.levels)
+        self._holes = Holes(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
         self._loaded_bytes = 0
         self._rows = CountRows(_ROW)
@@ -132,7 +133,10 @@ class FrameRecorder:
         """
         accounting = self._accounting
         if self._fronts is not None:
-            selection = _culled(selection, view.state.inside)
+            selection = only(selection, view.state.inside[selection.ids])
+        if self._holes.any:
+            # Of other nodes than the policy's, of which nobody knows where they changed.
+            selection, repeats, changed = self._holes.cut(selection), False, None
         drawn = accounting.drawn(selection, view, repeats=repeats)
         switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
@@ -186,13 +190,15 @@ class FrameRecorder:
         """Return what the picture is worth beside that of every candidate at full detail."""
         share = render_scale * render_scale
         units = self._quality.units(view)
-        quality = self._quality.score(drawn, units)
+        quality, judged = self._quality.score(drawn, units), drawn
+        if quality.missing:
+            judged = with_missing(drawn, units, self._quality.find_missing(drawn, units))
         return (
             len(units.ids),
             len(drawn.ids),
             quality.missing,
             self._accounting.full_gpu_ms(units, drawn, tally, share),
-            *self._errors.of(drawn),
+            *self._errors.of(judged),
             share * quality.benefit,
             quality.full_benefit,
             # The bound is that of pictures rendered at full size.
@@ -219,10 +225,3 @@ def _cpu_counts(view: View, selection: Selection, extraction: Extraction) -> tup
         extraction.borrowed,
         len(view.scene),
     )
-
-
-def _culled(selection: Selection, inside: BoolArray) -> Selection:
-    """Return what is left of a front when its nodes outside the frustum are culled."""
-    keep = inside[selection.ids]
-    holder = None if selection.holder is None else selection.holder[keep]
-    return replace(selection, ids=selection.ids[keep], detail=selection.detail[keep], holder=holder)

@@ -75,6 +75,10 @@ class CameraTrace:
         Time of the first sample in the source.
     repairs
         What a reader mended, counted.
+    assumed
+        What a reader took for granted, in words.
+    fovy_deg
+        Vertical field of view that the source states; None where it has none.
     """
 
     name: str
@@ -84,6 +88,8 @@ class CameraTrace:
     cut: BoolArray
     origin_s: float = 0.0
     repairs: tuple[Repair, ...] = ()
+    assumed: tuple[str, ...] = ()
+    fovy_deg: float | None = None
     _times: list[float] = field(init=False)
     _rows: list[tuple[float, ...]] = field(init=False)
 
@@ -104,7 +110,8 @@ class CameraTrace:
     def __reduce__(self) -> tuple[type["CameraTrace"], tuple[object, ...]]:
         # Built anew where it is unpickled: arrays are read-only there too, and rows do not travel.
         arrays = (self.time_s, self.position_m, self.orientation_xyzw, self.cut)
-        return CameraTrace, (self.name, *arrays, self.origin_s, self.repairs)
+        read = (self.origin_s, self.repairs, self.assumed, self.fovy_deg)
+        return CameraTrace, (self.name, *arrays, *read)
 
     def __len__(self) -> int:
         return len(self._times)
@@ -149,6 +156,8 @@ class CameraTrace:
             np.concatenate(((False,), self.cut[inside], (ends_in_cut,))),
             self.origin_s + start_s,
             self.repairs,
+            self.assumed,
+            self.fovy_deg,
         )
 
     def pose_at(self, time_s: float) -> Pose:
