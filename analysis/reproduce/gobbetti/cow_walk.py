@@ -8,6 +8,7 @@ from ....traces.cameras.orientation import look_along
 _RATE_HZ = 60.0
 _SIDE_M = 200.0
 _BEFORE_M, _HEIGHT_M, _EYE_M = 70.0, 25.0, 1.7
+_TO = 0.75  # of the way from the middle to the far edge, so that few cows are left ahead
 _IN_S, _STAY_S, _TURN_S, _LOOK_S, _OUT_S = 15.0, 1.0, 0.15, 2.0, 6.0
 
 WALK_S = _IN_S + _STAY_S + _TURN_S + _LOOK_S + _OUT_S
@@ -22,7 +23,7 @@ def cow_walk(seed: int) -> CameraTrace:
     edge_m = 0.5 * _SIDE_M
     clock = np.cumsum([0.0, _IN_S, _STAY_S, _TURN_S, _LOOK_S, _OUT_S])
     far_m = edge_m + _BEFORE_M
-    x = [-far_m, *[0.9 * edge_m] * 4, far_m]
+    x = [-far_m, *[_TO * edge_m] * 4, far_m]
     z = [_HEIGHT_M, *[_EYE_M] * 4, _HEIGHT_M]
     heading = [0.0, 0.0, 0.0, np.pi, np.pi, np.pi]
     down = float(np.arctan2(_HEIGHT_M, far_m))

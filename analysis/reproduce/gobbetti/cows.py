@@ -90,9 +90,9 @@ def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
         Claim(
             "drawing is several times as fast as in full resolution",
             "range lost",
-            f"{(full / drawn).min():.1f} to {(full / drawn).max():.1f} times",
+            f"{(full / predicted).min():.1f} to {(full / predicted).max():.1f} times",
             "",
-            verdict_of(float((full / drawn).max()) > 2.0, "it is less than twice as fast"),
+            verdict_of(float((full / predicted).max()) > 2.0, "it is less than twice as fast"),
         ),
     )
     first = numbers["seed 0"]
