@@ -7,7 +7,10 @@ from lodbench.analysis.reproduce.gobbetti.cow_walk import WALK_S, cow_walk
 from lodbench.analysis.reproduce.registry import find_experiments
 from lodbench.analysis.reproduce.reproduce import reproduce
 from lodbench.analysis.reproduce.reproduction import Section
+from lodbench.analysis.study.engine.limits import make_limits
 from lodbench.traces.cameras.orientation import view_direction
+
+PATIENT = make_limits(600.0, None)  # a scene may have to be made first
 
 
 def test_the_way_through_the_cows() -> None:
@@ -28,7 +31,7 @@ def test_the_way_through_the_cows() -> None:
 @pytest.fixture(scope="module")
 def sections() -> dict[str, Section]:
     """Return the experiments' sections by id."""
-    result = reproduce(find_experiments("gobbetti"), reduced=True, workers=1)
+    result = reproduce(find_experiments("gobbetti"), reduced=True, workers=1, limits=PATIENT)
     return {section.experiment.id: section for section in result.sections}
 
 

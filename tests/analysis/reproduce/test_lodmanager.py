@@ -5,12 +5,15 @@ import pytest
 from lodbench.analysis.reproduce.registry import find_experiments
 from lodbench.analysis.reproduce.reproduce import reproduce
 from lodbench.analysis.reproduce.reproduction import Section
+from lodbench.analysis.study.engine.limits import make_limits
+
+PATIENT = make_limits(600.0, None)  # a scene may have to be made first
 
 
 @pytest.fixture(scope="module")
 def sections() -> dict[str, Section]:
     """Return the experiments' sections by id."""
-    result = reproduce(find_experiments("lodmanager"), reduced=True, workers=1)
+    result = reproduce(find_experiments("lodmanager"), reduced=True, workers=1, limits=PATIENT)
     return {section.experiment.id: section for section in result.sections}
 
 
