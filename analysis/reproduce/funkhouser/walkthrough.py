@@ -31,9 +31,10 @@ _ORDER = {
 }
 """By falling spread, as the paper has it; the last is its second algorithm."""
 
+_QUICK = "feedback, four times a frame"
 _VARIANTS = {
     "feedback, twice a frame": "feedback:rate_limit=2,gain=1",
-    "feedback, four times a frame": "feedback:rate_limit=4,gain=1,max_bias=4",
+    _QUICK: "feedback:rate_limit=4,gain=1,max_bias=4",
     "static, half the threshold": "static-screen:bias=2",
     "optimisation, by value": "funkhouser:mode=greedy,skip=on",
 }
@@ -67,7 +68,8 @@ def _machine() -> HardwareProfile:
 
 
 def _trials(reduced: bool) -> Sequence[Trial]:
-    policies = _ORDER if reduced else _ORDER | _VARIANTS
+    quick = {_QUICK: _VARIANTS[_QUICK]}
+    policies = _ORDER | quick if reduced else _ORDER | _VARIANTS
     return [
         trial(
             f"{name}, seed {seed}",
@@ -96,8 +98,14 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     whole = {name: times(name, short=False) for name in _ORDER}
     short = {name: times(name, short=True) for name in _ORDER}
     walls = float(np.mean([np.max(part) for part in short["optimisation"]]))
+    quick = short | {"feedback": times(_QUICK, short=True)}
     claims = (
         _order_claim("where full detail exceeds the target", short),
+        _order_claim(
+            "where full detail exceeds the target, with feedback of gain 1 that may go fourfold a "
+            "frame (the paper's gain is not in the text at hand)",
+            quick,
+        ),
         _order_claim("over the whole walk", whole),
         Claim(
             "optimising keeps the frame time at the target, and feedback overshoots it",
@@ -110,7 +118,8 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
             verdict_of(
                 walls <= 1.2 * _TARGET_MS
                 and all(np.max(part) > 1.2 * _TARGET_MS for part in short["feedback"]),
-                "one of them is not so",
+                f"optimising takes up to {walls:.0f} ms, as in the heaviest views the coarsest "
+                "levels alone take longer than the target",
             ),
         ),
     )
@@ -162,7 +171,7 @@ def _order_claim(where: str, frames: Mapping[str, list[FloatArray]]) -> Claim:
             falls,
             "the order is "
             + ", ".join(sorted(spread, key=lambda name: -spread[name]))
-            + "; rooms change at once, and feedback follows many frames late",
+            + "; rooms change at once, and such a feedback follows many frames late",
             direction=ends,
         ),
     )
@@ -202,7 +211,7 @@ WALKTHROUGH = Experiment(
         "triangles": Constant(
             f"{_TRIANGLE_US:g} µs each",
             "assumed",
-            "so that the coarsest levels of every room fit and full detail does not",
+            "so that the coarsest levels of most views fit and full detail does not",
         ),
         "frame without objects": Constant("5 ms", "assumed"),
         "noise": Constant("3 % (Gauss)", "assumed"),

@@ -12,7 +12,7 @@ _LISTS = (50, 200, 1000)
 _REFRESH = 16
 _OBJECTS = 3_000
 _PATHS = ("drive", "walk")
-_SEEDS, _SECONDS = 5, 5.0
+_SEEDS, _SECONDS = 5, 4.0
 _LATE_FRAMES = _REFRESH  # an object waits at most until its slice is looked at
 
 

@@ -11,7 +11,7 @@ from .machine import CHANGED_NS, CONSTANTS, POLICIES
 
 _SCENES = ("ogres", "ogres-trees")
 _PATHS = ("drive", "walk")
-_SEEDS, _SECONDS = 5, 10.0
+_SEEDS, _SECONDS = 5, 6.0
 _CALLS_US = (0.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _CHANGED_NS = (5.0, 20.0, 50.0, 100.0)
 _USUAL_US = 10.0

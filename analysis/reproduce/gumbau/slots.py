@@ -11,7 +11,7 @@ from .machine import CONSTANTS, manager
 
 _SLOTS = (4, 8, 16, 32, 64, 128)
 _PATHS = ("drive", "walk")
-_SEEDS, _SECONDS = 5, 5.0
+_SEEDS, _SECONDS = 5, 4.0
 
 
 def _trials(reduced: bool) -> Sequence[Trial]:
