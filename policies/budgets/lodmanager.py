@@ -187,8 +187,14 @@ class LodManager:
         return Selection(view.ids, detail.take(source), work, source)
 
     def _gather(self, seen: View) -> _Same:
-        at = seen.nodes.at
-        return _Same(*(column.take(at) for column in self._of_node))
+        at, same = seen.nodes.at, self._of_node
+        return _Same(
+            same.slots.take(at),
+            same.last.take(at),
+            same.first.take(at),
+            same.far_m.take(at),
+            same.span_m.take(at),
+        )
 
     def _looked_at(self, view: View) -> IntArray:
         """Return the list, this frame's slice of all objects, and those in view without a level."""

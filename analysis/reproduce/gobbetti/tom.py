@@ -57,8 +57,9 @@ def measure(*, mesh: str, beat: Beat) -> Numbers:
 
 def _make(name: str) -> SurfaceMesh:
     rng = np.random.default_rng(2000)
-    makers = {"cow": cow_mesh, "ogre": ogre_mesh, "coil": lambda some: make_parts(some)[COIL]}
-    return makers[name](rng)
+    if name == "coil":
+        return make_parts(rng)[COIL]
+    return cow_mesh(rng) if name == "cow" else ogre_mesh(rng)
 
 
 def _trials(reduced: bool) -> Sequence[Trial]:

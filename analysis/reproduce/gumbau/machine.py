@@ -46,7 +46,9 @@ def machine(call_us: float, changed_ns: float, *, whole: bool) -> HardwareProfil
         Whether the set is sent whole, three indices of four bytes a triangle, or changed in place.
     """
     hardware = load_hardware(PROFILE)
-    costs = dict(zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True))
+    costs: dict[str, float] = dict(
+        zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True)
+    )
     costs |= {
         "objects_visited": 1e-6 * _VISITED_NS,
         "comparisons": 1e-6 * _COMPARISON_NS,

@@ -1,7 +1,5 @@
 """How far the levels shown are from those wanted, watched beside the policy."""
 
-from typing import Any
-
 import numpy as np
 
 from ....base.arrays import FloatArray, IntArray
@@ -24,6 +22,7 @@ class _Watch(Watched):
     """Compares each selection with what the distances ask for."""
 
     def prepare(self, scene: Scene, slots: int) -> None:
+        """Take the scene, and how many slots similar levels share."""
         self._slots = slots
         self._waiting = np.zeros(len(scene), dtype=np.int32)
         self.off: list[float] = []
@@ -65,7 +64,7 @@ def measure(
     scene = load_scene("ogres")
     trace = find_stage(scene).move(path, seconds + SETTLED_S, seed)
     spec = parse_policy(policy)
-    watched: Any = watch(spec.make(), _Watch)
+    watched = watch(spec.make(), _Watch)
     watched.prepare(scene, slots)
     hardware = machine(0.0, CHANGED_NS, whole=False)
     options = ReplayOptions(budget_ms=33.3, seed=seed)
