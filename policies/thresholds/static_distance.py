@@ -86,5 +86,7 @@ class StaticDistance:
         near_m, per_m = self._of_node.of(view)
         threshold_m = near_m + before / per_m
         near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)
-        hold = (level < before) & near  # a comparison with NaN, never drawn before, is false
+        # three.js lowers the threshold of the level that is visible, and not those before it.  A
+        # comparison with NaN, never drawn before, is false.
+        hold = (level == before - 1.0) & near
         level[hold] = before[hold]
