@@ -74,7 +74,7 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
         ]
     chart = Chart(
         name="extractions",
-        caption="Twice the slots, about twice the levels extracted a frame.",
+        caption="Twice the slots, about four times the levels extracted a frame.",
         x="slots N_T",
         y="levels extracted a frame",
         lines=tuple(Line(path, tried, mean("extracted", path)) for path in _PATHS),
