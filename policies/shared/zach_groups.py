@@ -62,6 +62,13 @@ class Groups:
     Benefit is ``k S² (N / 64) sqrt(x / N · N_splats)``, ``x / N`` the resolution of each of N
     trees, one a draw call.  S is the extent on the screen, S² the projected area: only then is the
     sum over a node's groups bounded by the node's own, as Appendix A has it.
+
+    Attributes
+    ----------
+    leaves : LeafTree
+    splats, floor : (K,) float64
+        Of each type: splats at full detail, and the resolution at which each tree has one; 0 where
+        there are no splats.
     """
 
     def __init__(self, scene: Scene, tree: Tree, costs: ResolutionCosts, member: BoolArray) -> None:
@@ -73,10 +80,10 @@ class Groups:
         splats = finest[:, _SPLATS]
         # A type without splats has no floor of its own and may not be left out.
         floor = np.divide(trees, splats, out=np.zeros(len(splats)), where=splats > 0.0)
-        self._leaves = LeafTree(scene, tree, member)
+        self.leaves = LeafTree(scene, tree, member)
+        self.splats, self.floor = splats, np.minimum(floor, 1.0)
         self._factor = _K / _TREES * np.sqrt(trees * primitives)
-        self._floor = np.minimum(floor, 1.0)
-        self._root = root = self._leaves.leaves.copy()
+        self._root = root = self.leaves.leaves.copy()
         while (below := scene.parent[root] >= 0).any():
             root[below] = scene.parent[root[below]]
 
@@ -84,13 +91,18 @@ class Groups:
         """Return which leaves are in view, (U,), and the view of them."""
         live = np.zeros(len(self._scene), dtype=np.bool_)
         live[view.ids] = True
-        leaves = self._leaves.leaves
+        leaves = self.leaves.leaves
         inside = view.state.inside[leaves] & live[self._root]
         return inside, view.at(leaves[inside])
 
     def optional(self, seen: View) -> BoolArray:
         """Return which nodes may be left out: groups of splats, (m,)."""
-        return self._floor[seen.type_index] > 0.0
+        return self.floor[seen.type_index] > 0.0
+
+    def value(self, seen: View) -> FloatArray:
+        """Return the benefit of each group at full detail, (m,), never 0."""
+        value = self._factor[seen.type_index] * seen.area_px * self._scene.importance[seen.ids]
+        return np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
 
     def plan(
         self, inside: BoolArray, seen: View, budget_ms: float, cull_px: float, epsilon: float | None
@@ -103,9 +115,8 @@ class Groups:
         kind = seen.type_index
         optional = self.optional(seen)
         setup, _, full, floor = self._costs.stretches(seen)
-        floor = np.minimum(np.maximum(floor, self._floor[kind]), 1.0)
-        value = self._factor[kind] * seen.area_px * self._scene.importance[seen.ids]
-        value = np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
+        floor = np.minimum(np.maximum(floor, self.floor[kind]), 1.0)
+        value = self.value(seen)
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
         large = ~optional | (seen.area_px >= cull_px * cull_px)
         at = np.flatnonzero(large)
@@ -121,7 +132,7 @@ class Groups:
             drawn[np.flatnonzero(inside)[at]] = True
             share = np.clip(admission.scale * np.square(weight), low, full)
             lose = epsilon * float((weight * np.sqrt(share)).sum())
-            splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
+            splitting = split_variables(self.leaves, drawn, weight, low, full, share, lose)
             start, visited = splitting.start, splitting.visited
         return Plan(
             seen.ids[at],

@@ -34,10 +34,11 @@ class Footprint(Protocol):
 
 
 class FrameShape(NamedTuple):
-    """What a frame is as a whole: pixels rendered, and distinct types drawn."""
+    """What a frame is as a whole: pixels rendered, distinct types drawn, and objects drawn."""
 
     pixels: float
     types: int
+    objects: int = 1
 
 
 class FrameTerm(ABC):

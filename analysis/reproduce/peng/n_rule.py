@@ -1,0 +1,108 @@
+"""Section 6.2: N such that the farthest character is at the coarsest level."""
+
+from collections.abc import Mapping, Sequence
+
+from ..experiment import Chart, Claim, Constant, Experiment, Findings, Line, error_pct, verdict_of
+from ..trial import Numbers, Trial, trial
+from .crowds import PIPELINE
+from .printed import COARSEST_TRIANGLES, TABLE_1, TABLE_2
+
+_PRINTED = {row.instances: row.triangles for row in (*TABLE_1, *TABLE_2)}
+_LARGE, _TOLERANCE_PCT = 1_024, 15.0
+_PLACES = ("corner", "edge")
+
+
+def _sizes(reduced: bool) -> Sequence[int]:
+    return (32, 1_024, 2_048) if reduced else tuple(_PRINTED)
+
+
+def _trials(reduced: bool) -> list[Trial]:
+    return [
+        trial(
+            f"{place} {instances}",
+            "peng.crowds:with_coarsest",
+            {"instances": instances, "place": place},
+        )
+        for place in _PLACES
+        for instances in _sizes(reduced)
+    ]
+
+
+def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
+    sizes = _sizes(reduced)
+    ours = {
+        place: [float(numbers[f"{place} {n}"]["triangles"]) for n in sizes] for place in _PLACES
+    }
+    errors = {
+        place: [error_pct(t, _PRINTED[n]) for t, n in zip(some, sizes, strict=True)]
+        for place, some in ours.items()
+    }
+    claims = tuple(
+        claim
+        for place in _PLACES
+        for claim in (
+            _claim(place, [n for n in sizes if n >= _LARGE], sizes, errors[place]),
+            _claim(place, [n for n in sizes if n < _LARGE], sizes, errors[place]),
+        )
+    )
+    notes = (
+        (
+            "Below some 1,000 characters more triangles are printed than keep the farthest one at "
+            f"the coarsest level shown, of {COARSEST_TRIANGLES}: N was chosen larger there, which a "
+            "text that calls it arbitrary allows.  The camera, which is not printed, moves the answer: "
+            "both that were tried are shown."
+        ),
+    )
+    lines = [Line(f"camera at the {place}", list(map(float, sizes)), ours[place]) for place in ours]
+    chart = Chart(
+        name="triangles",
+        caption="Triangles drawn when the farthest character is at its coarsest: near the printed "
+        "ones in large crowds, several times fewer in small ones.",
+        x="characters",
+        y="triangles",
+        lines=(
+            Line(
+                "printed",
+                list(map(float, sizes)),
+                [float(_PRINTED[n]) for n in sizes],
+                printed=True,
+            ),
+            *lines,
+        ),
+        log_x=True,
+        log_y=True,
+    )
+    return Findings(claims, (chart,), notes)
+
+
+def _claim(
+    place: str, wanted: Sequence[int], sizes: Sequence[int], errors: Sequence[float]
+) -> Claim:
+    of = {n: error for n, error in zip(sizes, errors, strict=True) if n in wanted}
+    listed = ", ".join(f"{error:+.0f} %" for error in of.values())
+    span = f"{min(wanted):,} to {max(wanted):,}" if len(wanted) > 1 else f"{wanted[0]:,}"
+    holds = max(map(abs, of.values())) <= _TOLERANCE_PCT
+    return Claim(
+        f"triangles with the farthest character at its coarsest, {span} characters, camera at the "
+        f"{place}",
+        f"{_PRINTED[min(wanted)]:,} to {_PRINTED[max(wanted)]:,}",
+        listed,
+        f"{_TOLERANCE_PCT:g} %",
+        verdict_of(holds, "N was set by hand, and the camera is not printed"),
+    )
+
+
+N_RULE = Experiment(
+    id="peng/n-rule",
+    title="How many vertices to share",
+    setting=f"crowd-32 to crowd-32768, one frame each on {PIPELINE}; N such that equation 1 gives "
+    "the character of the least area the vertices of the coarsest level.",
+    constants={
+        "alpha": Constant("3", "printed", "section 6.2"),
+        "triangles of the coarsest level": Constant(str(COARSEST_TRIANGLES), "printed", "Fig. 3"),
+        "camera": Constant("8 m beyond a corner or an edge, 6 m up, 12 degrees down", "assumed"),
+        "characters": Constant("1.5 m apart on a square", "assumed"),
+    },
+    trials=_trials,
+    judge=_judge,
+)
