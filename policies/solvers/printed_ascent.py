@@ -18,10 +18,11 @@ import numpy as np
 from ...base.arrays import FloatArray
 
 _FULL = 1.0 - 1e-12  # a resolution from here on is full
-_SLOPE_PRECISION = 2e-10  # relative; finer than slopes that count as equal
-_DECADES = 40.0  # natural ones below the longest step, at which a line search begins
+_SLOPE_PRECISION = 2e-4  # of the square, below the slope sought
+_OVERSHOOT = 1e-5  # of a secant's step, so that its last one ends below the slope
+_LEAST_STEP = 1e-12  # of the bracket: where the slope jumps no step is precise
 _COST_PRECISION = 1e-9
-_MAX_PASSES = 60  # of one line search; it takes about ten
+_MAX_PASSES = 60  # to find a cost
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,20 +68,27 @@ class PrintedAscent:
         self._of, self.barrier = variables, barrier
         self.r = variables.start.copy()
         self.passes = 0
-        self._direction = np.zeros(len(self.r))
+        self._half = 0.5 * variables.benefit
+        self._pull = self._half / variables.members
         self._per_whole = variables.setup / variables.whole
+        self._spent = variables.cost(self.r)
+        self._direction = self._gain = self._setup = np.zeros(len(self.r))
+        self._full = 0.0
 
     def slope(self) -> float:
         """Return benefit per cost along the new search direction; 0 where nothing can be raised."""
         self.passes += 1
-        room = 1.0 - self.r
         free = self.r < _FULL
-        gradient = self._of.benefit / (2.0 * np.sqrt(self.r) * self._of.members)
-        penalty = np.divide(self.barrier, room, out=np.zeros(len(room)), where=free)
-        direction = np.where(free, np.maximum(gradient - penalty, 0.0), 0.0)
+        gradient = self._pull / np.sqrt(self.r)
+        penalty = self.barrier / np.maximum(1.0 - self.r, 1.0 - _FULL)
+        direction = np.maximum(gradient - penalty, 0.0) * free
         # Behind the barrier there is still room, which is worth taking when nothing else is left.
-        self._direction = direction if direction.any() else np.where(free, gradient, 0.0)
-        return self._slope_at(self.r)
+        self._direction = direction if direction.any() else gradient * free
+        # What a line search asks of the direction again and again.
+        self._gain = self._direction * self._half
+        self._setup = self._direction * self._per_whole
+        self._full = float(self._direction @ self._of.full)
+        return self._slope_at(0.0)
 
     def raise_to(self, slope: float, spend: float) -> float:
         """Raise until benefit per cost falls to `slope` or `spend` is spent; return what was.
@@ -92,15 +100,15 @@ class PrintedAscent:
             return 0.0
         end = float(((1.0 - self.r[moving]) / self._direction[moving]).min())
         step = end
-        if slope > 0.0 and self._slope_at(self._at(end)) < slope:
-            step = self._find_slope(slope, end)
-        before = self._cost(self.r)
+        if slope > 0.0 and (excess := self._excess(end, slope)) > 0.0:
+            step = self._find_slope(slope, end, excess)
+        before = self._spent
         if self._cost(self._at(step)) - before > spend:
             step = self._find_cost(before + spend, step)
         place = self._at(step)
         self.r = np.where(place >= _FULL, 1.0, place)
-        after = self._cost(self.r)
-        return after - before
+        self._spent = self._cost(self.r)
+        return self._spent - before
 
     def _at(self, step: float) -> FloatArray:
         return np.minimum(self.r + step * self._direction, 1.0)
@@ -109,49 +117,52 @@ class PrintedAscent:
         self.passes += 1
         return self._of.cost(r)
 
-    def _slope_at(self, r: FloatArray) -> float:
-        """Return benefit over cost of a little more along the direction, from resolutions `r`."""
+    def _slope_at(self, step: float) -> float:
+        """Return benefit over cost of a little more along the direction, a step from here."""
         self.passes += 1
-        gain = self._direction * self._of.benefit / (2.0 * np.sqrt(r))
-        unit = self._of.full + np.where(r < self._of.whole, self._per_whole, 0.0)
-        paid = float((self._direction * unit).sum())
-        return float(gain.sum()) / paid if paid > 0.0 else math.inf if gain.any() else 0.0
+        r = self.r + step * self._direction
+        gain = float(self._gain @ (1.0 / np.sqrt(r)))
+        paid = self._full + float(self._setup @ (r < self._of.whole))
+        return gain / paid if paid > 0.0 else math.inf if gain > 0.0 else 0.0
 
-    def _find_slope(self, slope: float, end: float) -> float:
-        """Return a step within (0, end) at which benefit per cost is `slope`, or just above it."""
-        # Along a ray it falls about as the root of the step does, over many decades: regula falsi
-        # in logarithms, with Illinois' halving of the end that stays.
-        above, below = math.log(end), math.log(end) - _DECADES
-        at_above = self._gap(end, slope)
-        at_below = self._gap(math.exp(below), slope)
-        if at_below <= 0.0:
-            return math.exp(below)
-        kept_below, near = 0, below
-        for _ in range(_MAX_PASSES):
-            middle = (below * at_above - above * at_below) / (at_above - at_below)
-            gap = self._gap(math.exp(middle), slope)
-            if gap >= 0.0:
-                below, at_below, near = middle, gap, middle
-                at_above *= 0.5 if kept_below > 0 else 1.0
-                kept_below = 1
+    def _find_slope(self, slope: float, end: float, excess: float) -> float:
+        """Return a step in (0, end) at which benefit per cost is `slope`, or just below it.
+
+        `excess` is that of the end (`_excess`).
+        """
+        below, above, at_above = 0.0, end, excess
+        at_below = self._excess(0.0, slope)
+        side, reached = 0, excess
+        # Ending below the slope the increment is taken next, not the same line search once more.
+        while reached > _SLOPE_PRECISION and above - below > _LEAST_STEP * above:
+            secant = (below * at_above - above * at_below) / (at_above - at_below)
+            middle = min(secant + _OVERSHOOT * (secant - below), above)
+            excess = self._excess(middle, slope)
+            if excess < 0.0:
+                below, at_below = middle, excess
+                at_above *= 0.5 if side > 0 else 1.0
+                side = 1
             else:
-                above, at_above = middle, gap
-                at_below *= 0.5 if kept_below < 0 else 1.0
-                kept_below = -1
-            if abs(gap) <= _SLOPE_PRECISION or above - below <= _SLOPE_PRECISION:
-                return math.exp(middle)
-        return math.exp(near)
+                above, at_above, reached = middle, excess, excess
+                at_below *= 0.5 if side < 0 else 1.0
+                side = -1
+        return above
 
-    def _gap(self, step: float, slope: float) -> float:
-        """Return the logarithm of the slope at a step over the one that is sought."""
-        return math.log(max(self._slope_at(self._at(step)), 1e-300) / slope)
+    def _excess(self, step: float, slope: float) -> float:
+        """Return by how much a step is too long, about in proportion, negative if too short.
+
+        Slopes fall as the root of a resolution rises, so that the square of their inverse is nearly
+        a line: a secant of it, with Illinois' halving of the end that stays, is there at once.
+        """
+        ratio = slope / max(self._slope_at(step), 1e-300)
+        return ratio * ratio - 1.0
 
     def _find_cost(self, cost: float, end: float) -> float:
         """Return the largest step that costs no more than `cost`, within [0, end]."""
         # Cost rises along a ray, in pieces of lines that grow less steep: a secant never passes it
-        # from below, and halving sees to it that it comes near from above too.
+        # from below, and a share of the bracket at least is left behind each time.
         below, above = 0.0, end
-        at_below, at_above = self._cost(self.r), self._cost(self._at(end))
+        at_below, at_above = self._spent, self._cost(self._at(end))
         for _ in range(_MAX_PASSES):
             share = (cost - at_below) / max(at_above - at_below, 1e-300)
             middle = below + (above - below) * min(max(share, 0.05), 0.95)

@@ -26,8 +26,8 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
         (
             f"With both numbers of {INSTANCED} derived from the printed extremes, the simulated "
             f"speed-up goes from {low:.2f} at {rows[0].instances:,} to {high:.2f} at "
-            f"{rows[-1].instances:,} characters: a match by calibration, which confirms only that it "
-            "rises all the way."
+            f"{rows[-1].instances:,} characters: a match by calibration, which confirms only that "
+            "it rises all the way."
         ),
     )
     chart = Chart(

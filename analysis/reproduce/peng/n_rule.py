@@ -48,9 +48,9 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     notes = (
         (
             "Below some 1,000 characters more triangles are printed than keep the farthest one at "
-            f"the coarsest level shown, of {COARSEST_TRIANGLES}: N was chosen larger there, which a "
-            "text that calls it arbitrary allows.  The camera, which is not printed, moves the answer: "
-            "both that were tried are shown."
+            f"the coarsest level shown, of {COARSEST_TRIANGLES}: N was chosen larger there, which "
+            "a text that calls it arbitrary allows.  The camera, which is not printed, moves the "
+            "answer: both that were tried are shown."
         ),
     )
     lines = [Line(f"camera at the {place}", list(map(float, sizes)), ours[place]) for place in ours]

@@ -53,8 +53,9 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     )
     notes = (
         (
-            "N is not printed: it was searched for until as many triangles were drawn as are printed "
-            f"({found} characters).  So triangles match by calibration, and times test costs alone."
+            "N is not printed: it was searched for until as many triangles were drawn as are "
+            f"printed ({found} characters).  So triangles match by calibration, and times test "
+            "costs alone."
         ),
         _selection_note(),
     )

@@ -49,12 +49,13 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     charts = (_chart(on, off),)
     notes = [
         (
-            f"Selection took {on['wall_ms']:.0f} ms with splitting and {off['wall_ms']:.0f} without, "
-            "median of the processor time of a frame on the machine that wrote this page."
+            f"Selection took {on['wall_ms']:.0f} ms with splitting and {off['wall_ms']:.0f} "
+            "without, median of the processor time of a frame on the machine that wrote this page."
         ),
         (
-            f"The price of a comparison in {MACHINE} is calibrated, so that the worst frame without "
-            "splitting takes the second that the paper prints: that one matches by construction."
+            f"The price of a comparison in {MACHINE} is calibrated, so that the worst frame "
+            "without splitting takes the second that the paper prints: that one matches by "
+            "construction."
         ),
     ]
     if not reduced:

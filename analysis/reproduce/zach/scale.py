@@ -73,14 +73,14 @@ def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
     in_time = printed["wall_ms"] <= _SELECTION_MS
     notes = (
         (
-            f"A selection over {scene['nodes']:,} nodes took {printed['wall_ms']:.0f} ms as printed, "
-            f"{admitted['wall_ms']:.0f} with admission, median processor time on the machine that "
-            f"wrote this page: {'' if in_time else 'not '}within {_SELECTION_MS:g} ms."
+            f"A selection over {scene['nodes']:,} nodes took {printed['wall_ms']:.0f} ms as "
+            f"printed, {admitted['wall_ms']:.0f} with admission, median processor time on the "
+            f"machine that wrote this page: {'' if in_time else 'not '}within {_SELECTION_MS:g} ms."
         ),
         (
-            f"Were all {in_view:,.0f} trees in view set up, as the printed cost may be read, it alone "
-            f"would take {2.45e-3 * in_view:,.0f} ms of the {_BUDGET_MS:g}; so a tree not drawn "
-            "is taken not to be set up."
+            f"Were all {in_view:,.0f} trees in view set up, as the printed cost may be read, it "
+            f"alone would take {2.45e-3 * in_view:,.0f} ms of the {_BUDGET_MS:g}; so a tree not "
+            "drawn is taken not to be set up."
         ),
         (
             f"With admission, ours, a mean frame is worth {worth[0] / worth[1]:.3f} times one as "

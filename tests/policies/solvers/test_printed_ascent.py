@@ -27,9 +27,9 @@ def test_one_variable_rises_to_where_its_slope_is_the_one_sought() -> None:
     ascent = PrintedAscent(variables([6.0], [2.0]), barrier=0.0)
     assert ascent.slope() == pytest.approx(1.5e3)
     spent = ascent.raise_to(3.0, 10.0)
-    assert ascent.r == pytest.approx([0.25], rel=1e-8)
-    assert spent == pytest.approx(0.5 - 2e-6, rel=1e-8)
-    assert ascent.slope() == pytest.approx(3.0, rel=1e-9)
+    assert ascent.r == pytest.approx([0.25], rel=2e-4)
+    assert spent == pytest.approx(2.0 * ascent.r[0] - 2e-6, rel=1e-12)
+    assert 3.0 * (1.0 - 1e-4) <= ascent.slope() <= 3.0
 
 
 def test_a_ray_is_the_gradient_and_not_the_best_path() -> None:
@@ -82,8 +82,8 @@ def test_equal_groups_do_as_well_with_one_variable() -> None:
     shared = PrintedAscent(variables([12.0, 5.0], [8.0, 1.0], members=[4.0, 1.0]), barrier=1e-3)
     for slope, spend in ((20.0, 1.0), (5.0, 9.0), (0.0, 0.5)):
         assert apart.slope() == pytest.approx(shared.slope(), rel=1e-9)
-        assert apart.raise_to(slope, spend) == pytest.approx(shared.raise_to(slope, spend))
-        assert_allclose(apart.r[3:], shared.r, rtol=1e-8)
+        assert apart.raise_to(slope, spend) == pytest.approx(shared.raise_to(slope, spend), rel=1e-6)
+        assert_allclose(apart.r[3:], shared.r, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(5))
