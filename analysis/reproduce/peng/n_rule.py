@@ -85,7 +85,7 @@ def _claim(
     return Claim(
         f"triangles with the farthest character at its coarsest, {span} characters, camera at the "
         f"{place}",
-        f"{_PRINTED[min(wanted)]:,} to {_PRINTED[max(wanted)]:,}",
+        " to ".join(f"{_PRINTED[n]:,}" for n in dict.fromkeys((min(wanted), max(wanted)))),
         listed,
         f"{_TOLERANCE_PCT:g} %",
         verdict_of(holds, "N was set by hand, and the camera is not printed"),

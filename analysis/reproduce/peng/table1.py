@@ -42,7 +42,7 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
     claims = (
         _serial_claim(),
         _rendering_claim(without),
-        _fps_claim("in sample, simulated", rows, fps, _FPS_PCT),
+        _fps_claim("in sample (calibrated), simulated", rows, fps, _FPS_PCT),
         _fps_claim("each row left out", TABLE_1, _left_out_fps(without), _FPS_LEFT_OUT_PCT),
         _stages_claim(without),
         _rest_claim(measured),

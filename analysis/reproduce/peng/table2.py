@@ -43,7 +43,10 @@ def _judge(_numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
     )
     proportional = np.array([float(row.triangles) for row in TABLE_2])
     claims = (
-        _claim("ratios, by triangles and characters", _errors(itself, ratios=True)),
+        _claim(
+            "ratios, by triangles and characters fitted to it (calibrated)",
+            _errors(itself, ratios=True),
+        ),
         _claim("times, each row left out and predicted", _errors(left_out, ratios=False)),
         _claim("times, predicted from Table 1", _errors(table_1, ratios=False)),
         _claim(

@@ -21,7 +21,7 @@ _SIGHT_M = 500.0  # as far around the height of the ground is the highest, so th
 
 
 def flight(seconds: float = LENGTH_S) -> CameraTrace:
-    """Return 40 s at 2,500 m/s northwards, swaying to either side once, 25 degrees down, or less."""
+    """Return 40 s at 2,500 m/s northwards, swaying once, 25 degrees down, or a part."""
     time_s = np.arange(0.0, seconds + 0.5 / _RATE_HZ, 1.0 / _RATE_HZ)
     turn = 2.0 * np.pi * time_s / LENGTH_S
     x = 0.5 * WIDTH_M + _SWAY_M * np.sin(turn)

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from ....base.arrays import FloatArray
 from ....models.machine.hardware import HardwareProfile
 from ....models.machine.profile_catalog import load_hardware
 from ....models.scene.scene import Scene
@@ -132,6 +133,7 @@ def _times(log: FrameLog) -> Numbers:
     }
 
 
-def _patches(log: FrameLog) -> np.ndarray:
+def _patches(log: FrameLog) -> FloatArray:
     """Return the patches drawn: each is 2,048 triangles, and nothing else has any."""
-    return log["triangles"] / 2048.0
+    triangles: FloatArray = log["triangles"]
+    return triangles / 2_048.0

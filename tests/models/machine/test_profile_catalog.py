@@ -60,7 +60,7 @@ def test_zach_2002_has_exactly_the_constants_printed():
 def test_the_assumed_profile_says_so_and_others_do_not():
     """Only the profile with assumed costs carries the mark."""
     marked = [name for name in list_hardware() if load_hardware(name).provenance.assumed]
-    assert marked == ["desktop-assumed", "quadro5000-2011-instanced"]
+    assert marked == ["desktop-assumed", "geforce2go-2002", "quadro5000-2011-instanced"]
 
 
 def test_every_number_of_the_assumed_profile_has_its_source_on_the_line():
