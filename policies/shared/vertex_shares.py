@@ -41,7 +41,8 @@ class VertexShares:
         resolution = np.ones(len(kind))
         for number in np.unique(kind):
             at = kind == number
-            resolution[at] = np.interp(share[at], *self._knots[number])
+            vertices, knots = self._knots[number]
+            resolution[at] = np.interp(share[at], vertices, knots)
         return resolution, work
 
     def _shares(self, view: View, total: float, *, filled: bool) -> tuple[FloatArray, Work]:

@@ -1,6 +1,7 @@
 """Figures 2 and 4: predicted and actual rendering times on a flight, at three budgets."""
 
 from collections.abc import Mapping, Sequence
+from statistics import fmean
 
 import numpy as np
 
@@ -67,9 +68,7 @@ def _judge_fig2(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
             ),
         )
     )
-    trees, splats, vertices = (
-        float(np.mean(one[name])) for name in ("trees", "splats", "vertices")
-    )
+    trees, splats, vertices = (fmean(one[name]) for name in ("trees", "splats", "vertices"))
     notes = (
         (
             f"Of {_BUDGET_MS:g} ms the mean frame spends {6e-5 * vertices:.0f} on terrain and "
@@ -136,8 +135,8 @@ def _fig4_trials(reduced: bool) -> list[Trial]:
 def _judge_fig4(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
     budgets = sorted((_BUDGET_MS, *_OTHERS_MS))
     some = [numbers[f"{budget_ms:g} ms"] for budget_ms in budgets]
-    splats = [float(np.mean(one["splats"])) for one in some]
-    vertices = [float(np.mean(one["vertices"])) for one in some]
+    splats = [fmean(one["splats"]) for one in some]
+    vertices = [fmean(one["vertices"]) for one in some]
     claims = [
         claim
         for one, budget_ms in zip(some, budgets, strict=True)

@@ -1,6 +1,7 @@
 """Section 4: 1.4 million trees, and a selection in time."""
 
 from collections.abc import Mapping
+from statistics import fmean
 
 import numpy as np
 
@@ -48,10 +49,9 @@ def _trials(reduced: bool) -> list[Trial]:
 def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
     scene, printed, admitted = (numbers[key] for key in ("scene", "printed", "admission"))
     counts = (scene["trees"], scene["largest"], scene["heights"])
-    in_view = float(np.mean(printed["trees_in_view"]))
+    in_view = fmean(printed["trees_in_view"])
     worth = [
-        float(np.mean(np.add(one["terrain_benefit"], one["tree_benefit"])))
-        for one in (admitted, printed)
+        fmean(one["terrain_benefit"]) + fmean(one["tree_benefit"]) for one in (admitted, printed)
     ]
     claims = (
         Claim(
