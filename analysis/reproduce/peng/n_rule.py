@@ -53,26 +53,24 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
             "answer: both that were tried are shown."
         ),
     )
-    lines = [Line(f"camera at the {place}", list(map(float, sizes)), ours[place]) for place in ours]
-    chart = Chart(
+    return Findings(claims, (_chart(sizes, ours),), notes)
+
+
+def _chart(sizes: Sequence[int], ours: Mapping[str, Sequence[float]]) -> Chart:
+    x = [float(n) for n in sizes]
+    return Chart(
         name="triangles",
         caption="Triangles drawn when the farthest character is at its coarsest: near the printed "
         "ones in large crowds, several times fewer in small ones.",
         x="characters",
         y="triangles",
         lines=(
-            Line(
-                "printed",
-                list(map(float, sizes)),
-                [float(_PRINTED[n]) for n in sizes],
-                printed=True,
-            ),
-            *lines,
+            Line("printed", x, [float(_PRINTED[n]) for n in sizes], printed=True),
+            *(Line(f"camera at the {place}", x, some) for place, some in ours.items()),
         ),
         log_x=True,
         log_y=True,
     )
-    return Findings(claims, (chart,), notes)
 
 
 def _claim(

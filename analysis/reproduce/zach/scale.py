@@ -49,10 +49,6 @@ def _trials(reduced: bool) -> list[Trial]:
 def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
     scene, printed, admitted = (numbers[key] for key in ("scene", "printed", "admission"))
     counts = (scene["trees"], scene["largest"], scene["heights"])
-    in_view = fmean(printed["trees_in_view"])
-    worth = [
-        fmean(one["terrain_benefit"]) + fmean(one["tree_benefit"]) for one in (admitted, printed)
-    ]
     claims = (
         Claim(
             "trees, most in a group, heights along a side",
@@ -70,8 +66,16 @@ def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
             verdict_of(min(printed["groups"]) > 0, "nothing is in view"),
         ),
     )
+    return Findings(claims, (), _notes(scene, printed, admitted))
+
+
+def _notes(scene: Numbers, printed: Numbers, admitted: Numbers) -> tuple[str, ...]:
+    in_view = fmean(printed["trees_in_view"])
+    worth = [
+        fmean(one["terrain_benefit"]) + fmean(one["tree_benefit"]) for one in (admitted, printed)
+    ]
     in_time = printed["wall_ms"] <= _SELECTION_MS
-    notes = (
+    return (
         (
             f"A selection over {scene['nodes']:,} nodes took {printed['wall_ms']:.0f} ms as "
             f"printed, {admitted['wall_ms']:.0f} with admission, median processor time on the "
@@ -87,7 +91,6 @@ def _judge(numbers: Mapping[str, Numbers], _reduced: bool) -> Findings:
             "printed, by the paper's own benefit."
         ),
     )
-    return Findings(claims, (), notes)
 
 
 SCALE = Experiment(
