@@ -21,7 +21,7 @@ from ....traces.cameras.orientation import look_along
 from ...study.engine.task import Beat
 from ..trial import Numbers
 
-PIPELINE, INSTANCED = "quadro5000-2011", "quadro5000-2011-instanced"
+PIPELINE, INSTANCED = "quadro5000-2011", "quadro5000-instanced-assumed"
 _CHARACTER_VERTICES = 1_642
 _SPACING_M = 1.5
 _FRAMES = 4
