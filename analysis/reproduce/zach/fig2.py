@@ -58,7 +58,7 @@ def _notes(one: Numbers) -> tuple[str, ...]:
             "is simulated by the printed constants."
         ),
         (
-            f"The path, which is not printed, decides how much of the time trees have: {early:,.0f} "
+            f"The path, which is not printed, decides how much time trees have: {early:,.0f} "
             f"of them in its first quarter, with terrain in view as far as the other edge, and "
             f"{late:,.0f} in its last.  An increment of terrain is worth more than a tree as long "
             "as there is one, by the printed benefits as they are read here."
