@@ -68,7 +68,7 @@ class Fractions:
         levels = scene.types.levels
         kinds = np.arange(len(levels.level_count), dtype=np.int32)
         whole = groups.floor
-        row, part = levels.position(kinds, np.where(whole > 0.0, whole, 1.0))
+        row, part = levels.position(kinds, whole)
         at_whole = levels.interpolate(costs.level_ms, row, part)
         finest_ms = costs.level_ms[levels.start[:-1]]
         lowest_ms = costs.level_ms[levels.start[1:] - 1]

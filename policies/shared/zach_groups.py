@@ -7,11 +7,13 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...base.predictors import LEVEL_PREDICTORS
 from ...models.scene.benefit import level_primitives
+from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..solvers.admission import admit
 from ..solvers.variable_splitting import LeafTree, split_variables
 from ..view import View
+from .choices import require_costs
 from .resolution_cost import ResolutionCosts
 
 _SPLATS = LEVEL_PREDICTORS.index("splats")
@@ -83,6 +85,11 @@ class Groups:
         self.leaves = LeafTree(scene, tree, member)
         self.splats, self.floor = splats, np.minimum(floor, 1.0)
         self._factor = _K / _TREES * np.sqrt(trees * primitives)
+        # Below a splat a tree nothing is admitted, so that the lines need not lie above that part.
+        level_ms = require_costs(scene, "zach").level_ms
+        chord = _line_above(levels, level_ms, levels.min_resolution)
+        admitted = np.maximum(self.floor, levels.min_resolution)
+        self._too_high = chord - _line_above(levels, level_ms, admitted)
         self._root = root = self.leaves.leaves.copy()
         while (below := scene.parent[root] >= 0).any():
             root[below] = scene.parent[root[below]]
@@ -115,6 +122,7 @@ class Groups:
         kind = seen.type_index
         optional = self.optional(seen)
         setup, _, full, floor = self._costs.stretches(seen)
+        setup, full = (setup, full) - self._too_high[:, kind]
         floor = np.minimum(np.maximum(floor, self.floor[kind]), 1.0)
         value = self.value(seen)
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
@@ -142,6 +150,23 @@ class Groups:
             len(seen) + visited,
             admission.comparisons,
         )
+
+
+def _line_above(levels: LevelTable, column: FloatArray, low: FloatArray) -> FloatArray:
+    """Return start and slope of each type's line above its knots from resolution `low` on, (2, K).
+
+    The slope is that of the chord from there to full detail.
+    """
+    kinds = np.arange(len(low), dtype=np.int32)
+    # A discrete type's detail is a level; none has groups, so that its finest will do.
+    detail = np.where(levels.continuous, low, 0.0)
+    at_low = levels.interpolate(column, *levels.position(kinds, detail))
+    rise = np.maximum(column[levels.start[:-1]] - at_low, 0.0)
+    slope = np.divide(rise, 1.0 - low, out=np.zeros(len(low)), where=low < 1.0)
+    kind = levels.type_of_level
+    gap = column - slope[kind] * levels.resolution
+    gap[levels.resolution < low[kind] * (1.0 - 1e-9)] = -np.inf
+    return np.stack((np.maximum.reduceat(gap, levels.start[:-1]), slope))
 
 
 def _variables(

@@ -79,6 +79,35 @@ def test_no_group_is_refused_beforehand(make_scene: Make, make_view: Make) -> No
     assert len(admitting.select(view).ids) < 60
 
 
+def test_meshes_share_the_time_with_groups(
+    make_scene: Make, make_levels: Make, make_view: Make
+) -> None:
+    """Whatever is no group is drawn at its coarsest at least: one continuous, one of one level."""
+    trees, meshes = (
+        groups(10, 100),
+        make_levels(((1000.0, 100.0), (50.0,)), continuous=[True, False]),
+    )
+    levels = LevelTable(
+        np.array([0, 3, 5, 6]),
+        np.concatenate((trees.counts, meshes.counts)),
+        np.concatenate((trees.error_m, meshes.error_m)),
+        np.concatenate((trees.bytes, meshes.bytes)),
+        np.array([True, True, False]),
+    )
+    costs = CostModel.of(1.0, {"draw_calls": 1e-3, "splats": 1e-3, "triangles": 1e-3})
+    scene = make_scene([(0.0, 0.0, -5.0)] * 3, kind=[0, 1, 2], levels=levels).with_costs(costs)
+    policy, view = Zach(admission=False), make_view(scene)
+    base_ms = 1.0 + 0.05 + sum(levels.counts[[4, 5], 0]) * 1e-3
+    for left_ms, everything in ((0.2, False), (5.0, True)):
+        policy.reset(scene, base_ms + left_ms)
+        selection = policy.select(view)
+        detail = dict(zip(selection.ids.tolist(), selection.detail.tolist(), strict=True))
+        assert detail[2] == 0.0
+        assert detail[1] >= 0.1
+        assert (detail.get(0) == detail[1] == 1.0) == everything
+        assert selection.predicted_ms <= base_ms + left_ms
+
+
 def test_culled_groups_are_no_variables(make_scene: Make, make_view: Make) -> None:
     """Spheres 1 px wide are passed over, others are not; what was tried is told."""
     scene = make_scene([(0.0, 0.0, -5.0), (0.0, 0.0, -900.0)], levels=groups(10, 100))

@@ -82,7 +82,9 @@ def test_equal_groups_do_as_well_with_one_variable() -> None:
     shared = PrintedAscent(variables([12.0, 5.0], [8.0, 1.0], members=[4.0, 1.0]), barrier=1e-3)
     for slope, spend in ((20.0, 1.0), (5.0, 9.0), (0.0, 0.5)):
         assert apart.slope() == pytest.approx(shared.slope(), rel=1e-9)
-        assert apart.raise_to(slope, spend) == pytest.approx(shared.raise_to(slope, spend), rel=1e-6)
+        assert apart.raise_to(slope, spend) == pytest.approx(
+            shared.raise_to(slope, spend), rel=1e-6
+        )
         assert_allclose(apart.r[3:], shared.r, rtol=1e-6)
 
 
