@@ -45,12 +45,20 @@ def _judge(numbers: Mapping[str, Numbers], reduced: bool) -> Findings:
             _claim(place, [n for n in sizes if n < _LARGE], sizes, errors[place]),
         )
     )
+    largest = TABLE_2[-1]
+    each = largest.triangles / largest.instances
+    seen = [numbers[f"{place} {sizes[-1]}"]["in_view"] / sizes[-1] for place in _PLACES]
     notes = (
         (
             "Below some 1,000 characters more triangles are printed than keep the farthest one at "
             f"the coarsest level shown, of {COARSEST_TRIANGLES}: N was chosen larger there, which "
-            "a text that calls it arbitrary allows.  The camera, which is not printed, moves the "
-            "answer: both that were tried are shown."
+            "a text that calls it arbitrary allows."
+        ),
+        (
+            f"For {largest.instances:,} characters the paper prints {each:.1f} triangles each, "
+            f"fewer than its coarsest, so that many of them were out of view.  How many is not "
+            f"printed and decides the answer: here {100.0 * seen[0]:.0f} % are in view from the "
+            f"corner and {100.0 * seen[1]:.0f} % from the edge, of {sizes[-1]:,}."
         ),
     )
     return Findings(claims, (_chart(sizes, ours),), notes)
@@ -86,7 +94,7 @@ def _claim(
         " to ".join(f"{_PRINTED[n]:,}" for n in dict.fromkeys((min(wanted), max(wanted)))),
         listed,
         f"{_TOLERANCE_PCT:g} %",
-        verdict_of(holds, "N was set by hand, and the camera is not printed"),
+        verdict_of(holds, "N was set by hand, and how many characters were in view is not printed"),
     )
 
 
