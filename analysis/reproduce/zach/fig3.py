@@ -151,11 +151,13 @@ def _sweep_note(numbers: Mapping[str, Numbers]) -> str:
 
 
 def _chart(on: Numbers, off: Numbers) -> Chart:
+    saved = _work(off) / _work(on)
+    least, most = float(saved.min()), float(saved.max())
     along = np.linspace(0.0, 1.0, len(on["steps"]), endpoint=False).tolist()
     return Chart(
         name="work",
-        caption="Iterations times variables along the flight: sharing variables saves more than a "
-        "decade in every frame.",
+        caption="Iterations times variables along the flight: sharing variables saves the more, "
+        f"the more groups are in view, {least:.0f} to {most:.0f} times.",
         x="share of the path",
         y="iterations times variables",
         lines=(
