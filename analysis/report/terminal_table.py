@@ -65,7 +65,7 @@ def explain(comparison: Comparison) -> str:
         f"of the time on {comparison.population}, and how many of the judged paths were kept; "
         f"{s.tuned_on}.\n"
         "Ranks are of those that keep it with .9 or more, by visible error (beyond "
-        f"{comparison.visible:g} px), then visible pops, then work; within the margin of "
+        f"{comparison.visible:g} px), then visible pops, then lag, then work; within the margin of "
         f"{comparison.margin:.0%} they share the rank.\n"
         f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
         f"{draws}."

@@ -86,6 +86,8 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         display=display.mode,
         refresh_hz=display.refresh_hz,
         frames_in_flight=hardware.frames_in_flight,
+        pacing=display.pacing,
+        latency_limit=display.latency_limit,
         width_px=display.width_px,
         height_px=display.height_px,
         fovy_deg=options.fovy_deg,

@@ -138,6 +138,8 @@ class Conditions:
     display: str
     refresh_hz: float
     frames_in_flight: int
+    pacing: str
+    latency_limit: int
     width_px: int
     height_px: int
     fovy_deg: float

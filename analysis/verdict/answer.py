@@ -10,7 +10,7 @@ from ..study.comparison_parts import Chances, LeastMiss, PolicyResult, Robustnes
 SEEN = ("visible_error_px", "visible_pops_per_s")
 """Metrics of what can be seen where everything is drawn."""
 
-ORDER = ("missing_objects_mean", *SEEN, "work_ms_mean")
+ORDER = ("missing_objects_mean", *SEEN, "lag_ms_mean", "work_ms_mean")
 """Metrics of the ranking, the first of most weight: a hole in the picture is a fault before all."""
 
 _NOTHING_PX, _NOTHING_POPS, _NOTHING_MISSING = 0.005, 0.05, 0.005

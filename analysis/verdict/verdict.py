@@ -19,7 +19,7 @@ from ..study.comparison_parts import (
 from . import chances as chances_of
 from . import curve as curves_of
 from .answer import ORDER, SEEN, answer
-from .criterion import PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
+from .criterion import LAG_MARGIN_MS, PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
 from .judged import Judged
 from .keeping import keeping, p_keeps
@@ -33,6 +33,7 @@ _LEAST = {
     "missing_objects_mean": 0.01,
     "visible_error_px": PICTURE_MARGIN_PX,
     "visible_pops_per_s": POPS_MARGIN_PER_S,
+    "lag_ms_mean": LAG_MARGIN_MS,
     "work_ms_mean": 0.0,
 }
 """Differences that decide nothing, in the unit of each metric of the order."""

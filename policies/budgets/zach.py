@@ -176,11 +176,10 @@ class Zach:
         """Return the levels of a flat scene that has no smooth half."""
         seen = view if view.inside.all() else view.at(view.ids[view.inside])
         costs, n = self._levels_costs, len(seen)
-        coarsest = levels.coarsest(seen)
-        least_ms = costs.predict_ms(seen, coarsest)
+        least_ms = costs.least_ms(seen)
         left_ms = self._budget_ms * (1.0 - _KEPT_BACK) - least_ms
         if left_ms < 0.0:
-            return Selection(seen.ids, coarsest, Work(n), predicted_ms=least_ms)
+            return Selection(seen.ids, levels.coarsest(seen), Work(n), predicted_ms=least_ms)
         increments, nothing = levels.increments(seen), np.zeros(0)
         smooth = self._ascent(nothing, nothing, nothing)
         _, steps = raise_in_turn(increments, smooth, left_ms, self.max_steps)

@@ -97,6 +97,10 @@ class ResolutionCosts:
         objects_ms = self._costs.objects_ms(row, view, fraction=fraction)
         return self.fixed_ms(view) + float(objects_ms.sum())
 
+    def least_ms(self, view: View) -> float:
+        """Return the frame's GPU time with every candidate at its coarsest."""
+        return self.predict_ms(view, self.detail(view, self.lowest(view)))
+
     def detail(self, view: View, resolution: FloatArray) -> FloatArray:
         """Return resolutions of continuous types, and the nearest level not above of others."""
         soft = self._levels.continuous[view.type_index]

@@ -99,5 +99,7 @@ class StaticDistance:
         count = view.nodes.coarsest_level + 1.0
         threshold_m = self._near_m + before / (count * self._per_m)
         near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)
-        hold = (level < before) & near  # a comparison with NaN, never drawn before, is false
+        # three.js lowers the threshold of the level that is visible, and not those before it.  A
+        # comparison with NaN, never drawn before, is false.
+        hold = (level == before - 1.0) & near
         level[hold] = before[hold]

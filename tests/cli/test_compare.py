@@ -149,6 +149,7 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
     arguments += ["--fovy-deg", "50", "--crossfade-ms", "200", "--measurement-delay", "2"]
     arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "0.5"]
     arguments += ["--seconds", "5:7", "--visible", "2"]
+    arguments += ["--pacing", "just-in-time", "--latency-limit", "0"]
     assert run([*SHORT, "--policy", "feedback:target=0.9", *arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     conditions = document["conditions"]
@@ -156,6 +157,8 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
         "display": "vsync",
         "refresh_hz": 120.0,
         "frames_in_flight": 3,
+        "pacing": "just-in-time",
+        "latency_limit": 0,
         "fovy_deg": 50.0,
         "crossfade_ms": 200.0,
         "measurement_delay": 2,
@@ -201,6 +204,8 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--display", "crt"], "immediate, vsync, mailbox or vrr"),
         (["--refresh-hz", "0"], "refresh_hz"),
         (["--frames-in-flight", "9"], "1 to 4"),
+        (["--pacing", "fast"], "pacing: expected none, limiter, just-in-time, got fast"),
+        (["--latency-limit", "17"], "latency_limit: expected 0 to 16, got 17"),
         (["--faults", "missing=2"], "faults"),
         (["--faults", "lost=0.1"], "faults: expected"),
         (["--faults", "missing=lots"], "faults: expected"),

@@ -48,7 +48,7 @@ def make_compared(
         population="such paths",
         visible=1.0,
         margin=0.1,
-        conditions=Conditions("vsync", 60.0, 2, 100, 100, 60.0, 0.0, 0, 5, "made", True),
+        conditions=Conditions("vsync", 60.0, 2, "none", 0, 100, 100, 60.0, 0.0, 0, 5, "made", True),
         sampling=Sampling(0.9, 2, 0, "no knob was tuned"),
         warnings=(),
         answer=("a", "b", "c"),
