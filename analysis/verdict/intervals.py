@@ -75,6 +75,7 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
     "signed": Student's t.  "positive": t on the logarithm of the mean, which reaches further up
     than down.  "share", and "positive" with zeros among them: the share of paths with any (beta;
     exact if no path has) times the mean of those (t on its logarithm), at most 1 for a share.
+    "capped": what is missing to the best of the paths, as such a share of it.
     Of one path there is none: nan.  `needed` counts paths.
 
     Parameters
@@ -92,6 +93,9 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
         return _of_signed(values, level)
     if kind == "positive" and bool((values > 0).all()):
         return _of_positive(values, level)
+    if kind == "capped" and (best := float(values.max())) > 0.0:
+        missing = _of_two_parts(1.0 - values / best, 1.0, level)
+        return replace(missing, low=best * (1.0 - missing.high), high=best * (1.0 - missing.low))
     return _of_two_parts(values, 1.0 if kind == "share" else np.inf, level)
 
 

@@ -263,3 +263,26 @@ def test_degrees_of_freedom_are_no_more_than_there_are() -> None:
     assert welch_degrees(np.ones(10), 1.0) == 10.0
     assert welch_degrees(np.array([1.0] + [0.0] * 9), 1.0) == 1.0
     assert 1.0 < welch_degrees(np.array([9.0, 1.0, 1.0]), 1.0) < 3.0
+
+
+def test_a_rate_that_most_paths_hold_may_be_lower_on_others() -> None:
+    """60 fps on nine of ten paths says little of the tenth: intervals cover the mean of such paths.
+
+    Rates are 60 with probability .8, else uniform in 20 to 60: their mean is 56.
+    """
+    rng = np.random.default_rng(4)
+    hits = studies = 0
+    for _ in range(1000):
+        values = np.where(rng.random(10) < 0.8, 60.0, rng.uniform(20.0, 60.0, 10))
+        found = over_paths(values, "capped")
+        assert found.low <= values.mean() <= found.high <= 60.0
+        hits += found.low <= 56.0 <= found.high
+        studies += 1
+    assert hits / studies >= 0.87
+
+
+def test_a_rate_that_all_paths_hold_is_bounded_exactly() -> None:
+    """Ten paths at 60: with 95 % at most 26 % of such paths are below, at worst at 0."""
+    found = over_paths(np.full(10, 60.0), "capped")
+    assert found.high == 60.0
+    assert found.low == pytest.approx(60.0 * (1.0 - (1.0 - 0.05 ** (1.0 / 10.0))), rel=1e-6)
