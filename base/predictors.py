@@ -1,7 +1,7 @@
 """What a cost model may count, named after what engines log.
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
-``texture_bytes``), or depends on the view (``shaded_samples``, ``rasterized_triangles``), or on the
+``texture_bytes``), or depends on the view (``shaded_samples`` … ``reformed_triangles``), or on the
 frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of every
 coefficient vector in the package.
 """
@@ -28,8 +28,11 @@ GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
     "rasterized_triangles",  # of those drawn, how many should reach a sample
+    "reformed_objects",  # drawn where the GPU makes every level anew in every frame
+    "reformed_triangles",  # triangles of these
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
+    "reduction_steps",  # of a sum over all objects drawn, formed in pairs on the GPU
     *CHANGE_PREDICTORS,
 )
 

@@ -105,7 +105,7 @@ class LevelChoices:
             cost_ms[self._lacking[kind]] = np.inf
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind))
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind), len(view))
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
 
     def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
