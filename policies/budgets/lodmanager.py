@@ -9,7 +9,6 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
@@ -135,7 +134,7 @@ class LodManager:
 
     def select(self, view: View) -> Selection:
         """Borrow or extract where the level shown is not similar to the one wanted."""
-        self._steer(view.completed)
+        self._steer(view)
         seen = view if self.active is None else view.at(self._all)
         same, lod = self._kept.of(seen), self._wanted_lod(seen)
         step = same.slots * (lod if self.spacing == 1.0 else lod**self.spacing)
@@ -159,8 +158,9 @@ class LodManager:
         at = seen.nodes.at
         return _Same(slots.take(at), last.take(at), first.take(at))
 
-    def _steer(self, completed: Completed) -> None:
-        ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
+    def _steer(self, view: View) -> None:
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, self._target_ms)
+        ratio = time_ms / self._target_ms
         if math.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
             return
         step = self.gain if ratio > 1.0 else 1.0 / self.gain

@@ -89,7 +89,7 @@ class Hoppe:
         """Return work over target, NaN if nothing new is known, and the gain to apply."""
         if self.triangles is not None:
             return self._drawn / self.triangles, 1.0 if self.gain is None else self.gain
-        time_ms = self._reports.newest_ms(view.completed.work_ms, self._target_ms)
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, self._target_ms)
         delay = view.frame - len(view.completed)
         gain = 0.5 * critical_gain(delay) if self.gain is None else self.gain
         return time_ms / self._target_ms, gain
