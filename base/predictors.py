@@ -1,8 +1,8 @@
 """What a cost model may count, named after what engines log.
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
-``texture_bytes``), or depends on the view (``shaded_samples``, ``rasterized_triangles``), or on the
-frame as a whole (``framebuffer_pixels``, ``state_changes``).  The column order is that of every
+``texture_bytes``), or a term of each object (``shaded_samples`` … ``untextured_triangles``), or of
+the frame as a whole (``framebuffer_pixels``, ``state_changes``).  The column order is that of every
 coefficient vector in the package.
 """
 
@@ -21,6 +21,7 @@ GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
     "rasterized_triangles",  # of those drawn, how many should reach a sample
+    "untextured_triangles",  # triangles less textured ones
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
 )

@@ -90,4 +90,11 @@ def _types(trees: Sequence[Hlod]) -> ObjectTypes:
         np.zeros(nodes, dtype=np.bool_),
     )
     radius = np.linalg.norm(high - low, axis=1) / 2.0
-    return ObjectTypes(names, (low + high) / 2.0, radius, levels)
+    return ObjectTypes(
+        names,
+        (low + high) / 2.0,
+        radius,
+        levels,
+        surface_m2=np.concatenate([tree.surface_m2 for tree in trees]),
+        normal=np.concatenate([tree.normal for tree in trees]),
+    )

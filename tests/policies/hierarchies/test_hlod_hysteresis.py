@@ -35,7 +35,7 @@ def family(make_scene: Make, make_levels: Make) -> Callable[..., Scene]:
 
 
 def _started(scene: Scene, **parameters: Any) -> HlodHysteresis:
-    policy = HlodHysteresis(**parameters)
+    policy = HlodHysteresis(**{"unused": "lost", **parameters})
     policy.reset(scene, BUDGET_MS)
     return policy
 
