@@ -62,8 +62,8 @@ def make_memory(
     """
     levels = scene.types.levels
     if not streaming:
-        return Memory(round(float(_level_bytes(scene).sum())))
-    type_bytes = np.add.reduceat(_level_bytes(scene), levels.start[:-1])
+        return Memory(round(float(level_bytes(scene).sum())))
+    type_bytes = np.add.reduceat(level_bytes(scene), levels.start[:-1])
     node_bytes = np.ceil(type_bytes[scene.type_index]).astype(np.int64)
     return Loader(
         node_bytes,
@@ -74,7 +74,7 @@ def make_memory(
     )
 
 
-def _level_bytes(scene: Scene) -> FloatArray:
+def level_bytes(scene: Scene) -> FloatArray:
     """Return what each level takes in memory, (L,).
 
     Levels of flat scenes share one texture, which no level of detail takes less of.
