@@ -38,7 +38,7 @@ def test_a_family_without_time_has_none() -> None:
 def test_all_time_is_given_out_that_can_be_used(
     family: list[tuple[float, float]], share_ms: float
 ) -> None:
-    """The slices sum to the share, or to what all can use; those below their most go by priority."""
+    """Slices sum to the share, or to what all can use; those below their most go by priority."""
     priority, most_ms = np.array(family).T
     slices = divide_time(np.zeros(len(family), dtype=int), np.array([share_ms]), priority, most_ms)
     assert (slices <= most_ms).all()
