@@ -29,7 +29,8 @@ def _claim(numbers: Runs, path: str, *, reduced: bool) -> Claim:
     why = (
         f"slices that near walls cannot use drive the roots' share to {share:.1f} times the "
         "target, and where far walls come near with such slices they are drawn too fine until the "
-        f"share has fallen again; with unused slices shared {100 * shared_over:.1f} % of frames are over"
+        "share has fallen again; with unused slices shared "
+        f"{100 * shared_over:.1f} % of frames are over"
     )
     return Claim(
         f"frames over {OVER * TARGET_MS:.0f} ms, {_PATHS[path]}",

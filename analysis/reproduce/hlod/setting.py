@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from ....base.arrays import FloatArray
 from ....models.machine.profile_catalog import load_hardware
 from ....models.machine.residual import Residual
+from ....models.scene.scene import Scene
 from ....models.scene.scene_catalog import load_scene
 from ....policies.hierarchies.hlod_hysteresis import HlodHysteresis
 from ....policies.registry import parse_policy
@@ -58,6 +60,12 @@ CONSTANTS: Mapping[str, Constant] = {
 }
 
 
+@cache
+def city() -> Scene:
+    """Return the scene, read once a process."""
+    return load_scene("city")
+
+
 def replay_city(
     policy: str,
     path: str,
@@ -76,7 +84,7 @@ def replay_city(
 
     The share is NaN under policies that have none.
     """
-    scene = load_scene("city")
+    scene = city()
     hardware = load_hardware("thesis-m30-assumed")
     if disk_bytes_per_s is not None:
         hardware = replace(hardware, disk_bytes_per_s=disk_bytes_per_s)
