@@ -5,6 +5,7 @@
 # make bench     speed, beside simpy's
 # make mutants   whether tests fail when the code is made wrong on purpose (docs/mutants.md)
 # make docs      generated parts of the documentation, and its site in out/site
+# make reproduction  the papers' experiments, and docs/reproduction.md from them
 # make validation  measure this machine with OpenGL, and write what docs/validation.md reports
 #
 # Everything happens in .venv, made from the first Python >= 3.11 found, or from PYTHON=...
@@ -15,7 +16,7 @@ PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
 ROOMS = base models traces policies sim render analysis testing cli
 
-.PHONY: compare test test-slow studies check bench mutants docs validation clean
+.PHONY: compare test test-slow studies check bench mutants docs validation reproduction clean
 .DELETE_ON_ERROR:
 
 compare: .venv/.installed
@@ -48,6 +49,10 @@ docs: .venv/.installed-dev
 	$(BIN)/python docs/scripts/floors.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
+
+reproduction: .venv/.installed-dev
+	$(BIN)/lodbench reproduce all --out out/reproduction
+	$(BIN)/python docs/scripts/reproduction.py out/reproduction
 
 validation: .venv/.installed-dev
 	$(BIN)/python docs/scripts/validation_tables.py

@@ -2,7 +2,7 @@
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
 ``texture_bytes``), or a term of each object (``shaded_samples`` … ``untextured_triangles``), or of
-the frame as a whole (``framebuffer_pixels``, ``state_changes``).  The column order is that of every
+the frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of every
 coefficient vector in the package.
 """
 
@@ -17,6 +17,13 @@ LEVEL_PREDICTORS = (
 )
 """Counts that a level of detail has by itself, whatever the view."""
 
+CHANGE_PREDICTORS = (
+    "levels_changed",  # nodes drawn at another level than in the frame before
+    "first_uses",  # levels drawn for the first time
+    "bytes_uploaded",  # geometry at its first use, and index sets that changed, whole
+)
+"""Counts of what a frame draws that the frames before did not; GPU and CPU pay for them."""
+
 GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
@@ -24,15 +31,17 @@ GPU_PREDICTORS = (
     "untextured_triangles",  # triangles less textured ones
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
+    *CHANGE_PREDICTORS,
 )
 
 CPU_PREDICTORS = (
     "objects_visited",
     "comparisons",
     "iterations",
-    "levels_extracted",
-    "triangles_extracted",
+    "levels_extracted",  # index sets made, or brought to another collapse step
+    "triangles_changed",  # triangles that are new or different in these
     "levels_borrowed",
+    *CHANGE_PREDICTORS,
     "draw_calls",
     "objects_culled",  # nodes tested against the frustum
 )

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option, Typer
 
+from ..base.errors import InputError
 from .shared.options import AsJson
 from .shared.terminal import print_result
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..traces.cameras.camera_trace import CameraTrace
     from ..traces.cameras.place import Placement
+    from ..traces.cameras.reading.poses import Reading
     from ..traces.cameras.trace_stats import Percentiles, TraceStats
 
 app = Typer(
@@ -38,6 +40,31 @@ Offset = Annotated[
     tuple[float, float, float], Option(metavar="X Y Z", help="Added after scaling, in metres.")
 ]
 Up = Annotated[str, Option(help="Axis that points up in the trace: z, y, x, -z, -y or -x.")]
+Frame = Annotated[
+    str | None,
+    Option(
+        "--frame",
+        metavar="WORDS",
+        help="Axes of the file: opengl, opencv, unreal, unity, ned or ros, then x-up to -z-up, "
+        "left-handed or right-handed, c2w or w2c, as in opencv,z-up,w2c.",
+    ),
+]
+Unit = Annotated[str | None, Option(help="Of lengths in the file: m, cm, mm, km, in or ft.")]
+TimeUnit = Annotated[str | None, Option(help="Of times in the file: s, ms, us or ns.")]
+Rate = Annotated[float | None, Option(help="Poses a second, of a file without times.")]
+Map = Annotated[
+    list[str] | None,
+    Option(
+        "--map",
+        metavar="ROLE=COLUMN,...",
+        help="Columns of a table: time, x y z, qx qy qz qw, yaw pitch roll, rx ry rz, "
+        "forward_x …, up_x ….  May be repeated.",
+    ),
+]
+Picture = Annotated[Path | None, Option(metavar="FILE.png", help="Draw the path from above.")]
+InScene = Annotated[
+    str | None, Option("--scene", help="Scene in which --picture shows the path, placed as it is.")
+]
 Yaw = Annotated[float, Option(help="Turn about the up axis, counter-clockwise from above.")]
 
 
@@ -46,35 +73,53 @@ def info(
     trace: Spec,
     *,
     source: From = None,
+    frame: Frame = None,
+    unit: Unit = None,
+    time_unit: TimeUnit = None,
+    rate: Rate = None,
+    columns: Map = None,
+    picture: Picture = None,
+    scene: InScene = None,
     as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
     up: Up = "z",
     yaw_deg: Yaw = 0.0,
 ) -> None:
-    """Show duration, rate, speeds and turn rates, gaps, cuts and repairs.
+    """Show duration, rate, speeds and turn rates, gaps, cuts and repairs, and what was assumed.
 
     With --scale, --offset-m, --up or --yaw-deg: of the trace as placed so.
     """
     from ..traces.cameras.place import Placement
+    from ..traces.cameras.sanity import doubts, sanity_line
     from ..traces.cameras.trace_stats import trace_stats
 
     placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
-    format_name, placed = _read_placed(trace, source, placement)
+    reading = _reading(frame, unit, time_unit, rate, columns)
+    format_name, placed = _read_placed(trace, source, placement, reading)
     stats = trace_stats(placed)
+    if picture is not None:
+        _draw(placed, scene, picture)
     if as_json:
         record = {
-            "schema": "lodbench.trace-info/1",
+            "schema": "lodbench.trace-info/2",
             "trace": trace,
             "name": placed.name,
             "format": format_name,
             "origin_s": placed.origin_s,
             "placement": asdict(placement),
+            "poses": len(placed),
+            "assumed": list(placed.assumed),
+            "doubts": list(doubts(placed)),
+            "fovy_deg": placed.fovy_deg,
             **asdict(stats),
         }
         print(json.dumps(record))
     else:
-        _print_info(placed.name, format_name, scale, stats)
+        _print_info(placed, format_name, scale, stats)
+        print(sanity_line(placed))
+        for doubt in doubts(placed):
+            print(f"warning: {doubt}")
 
 
 @app.command()
@@ -84,6 +129,11 @@ def convert(
     *,
     source: From = None,
     target: To = None,
+    frame: Frame = None,
+    unit: Unit = None,
+    time_unit: TimeUnit = None,
+    rate: Rate = None,
+    columns: Map = None,
     as_json: AsJson = False,
     scale: Scale = 1.0,
     offset_m: Offset = (0.0, 0.0, 0.0),
@@ -96,7 +146,8 @@ def convert(
 
     format_for_writing(out, target)  # refuses a wrong name before the work
     placement = Placement(scale=scale, offset_m=offset_m, up=up, yaw_deg=yaw_deg)
-    _, placed = _read_placed(trace, source, placement)
+    reading = _reading(frame, unit, time_unit, rate, columns)
+    _, placed = _read_placed(trace, source, placement, reading)
     written = write_trace(placed, out, target)
     _report_written("lodbench.trace-convert/1", out, written, placed, as_json=as_json)
 
@@ -147,15 +198,42 @@ def generate(
     _report_written("lodbench.trace-generate/1", out, written, made, as_json=as_json)
 
 
+def _reading(
+    frame: str | None,
+    unit: str | None,
+    time_unit: str | None,
+    rate: float | None,
+    columns: list[str] | None,
+) -> "Reading":
+    """Return what the user says about the file."""
+    from ..traces.cameras.reading.poses import Reading
+
+    named: dict[str, str] = {}
+    for pair in filter(None, (pair for text in columns or () for pair in text.split(","))):
+        role, equals, column = pair.partition("=")
+        if not (role and equals and column):
+            raise InputError(f"map: expected ROLE=COLUMN, got {pair!r}; as in --map x=PosX,y=PosY")
+        named[role.strip()] = column.strip()
+    return Reading(frame=frame, unit=unit, time_unit=time_unit, rate_hz=rate, columns=named)
+
+
 def _read_placed(
-    spec: str, source: str | None, placement: "Placement"
+    spec: str, source: str | None, placement: "Placement", reading: "Reading"
 ) -> tuple[str, "CameraTrace"]:
     """Name of the format that was read, and the trace as placed."""
     from ..traces.cameras.place import place
     from ..traces.cameras.read_trace import format_of, read_trace, split_spec
 
-    format_name = source or format_of(split_spec(spec)[0])
-    return format_name, place(read_trace(spec, format_name), placement)
+    format_name = "columns" if reading.columns else source or format_of(split_spec(spec)[0])
+    return format_name, place(read_trace(spec, format_name, reading), placement)
+
+
+def _draw(trace: "CameraTrace", scene: str | None, picture: Path) -> None:
+    """Draw a path from above, in a scene if one is named."""
+    from ..models.scene.scene_catalog import load_scene
+    from ..render.pictures.path_picture import draw_path
+
+    draw_path(trace, None if scene is None else load_scene(scene), picture)
 
 
 def _report_written(
@@ -174,12 +252,12 @@ def _report_written(
     print_result(record, text, as_json=as_json)
 
 
-def _print_info(name: str, format_name: str, scale: float, stats: "TraceStats") -> None:
+def _print_info(trace: "CameraTrace", format_name: str, scale: float, stats: "TraceStats") -> None:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(name), show_header=False)
+    table = Table(title=Text(trace.name), show_header=False)
     rows = {
         "format": format_name,
         "samples": f"{stats.samples} at {stats.rate_hz:.4g} Hz",
@@ -192,7 +270,10 @@ def _print_info(name: str, format_name: str, scale: float, stats: "TraceStats") 
         "gaps": f"{stats.gaps}, longest {stats.longest_gap_s:.3f} s" if stats.gaps else "none",
         "cuts": str(stats.cuts or "none"),
         "repairs": "; ".join(stats.repairs) or "none",
+        "assumed": "; ".join(trace.assumed) or "nothing",
     }
+    if trace.fovy_deg is not None:
+        rows["field of view"] = f"{trace.fovy_deg:.4g} degrees, vertical"
     if scale != 1.0:
         rows["placed"] = f"scale {scale:g}: speeds are {scale:g} times the source's"
     for label, value in rows.items():

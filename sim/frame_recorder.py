@@ -1,15 +1,15 @@
 """What each frame of a replay draws, costs and shows: counted, timed, and logged by name."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.arrays import BoolArray, FloatArray
+from ..base.arrays import FloatArray
 from ..base.errors import PolicyError
 from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
+from ..models.machine.cost_terms.term import LevelChanges
 from ..models.machine.frame_cost import FrameCost
 from ..models.scene.camera import Camera
 from ..models.scene.scene import Scene
@@ -18,8 +18,10 @@ from ..policies.selection import Selection
 from ..policies.view import View
 from .accounting.accounting import Accounting, Tally
 from .accounting.benefit_bound import BenefitBound
-from .accounting.extraction import IndexSets
+from .accounting.extraction import Extraction, IndexSets
+from .accounting.first_uses import FirstUses
 from .accounting.fronts import Fronts
+from .accounting.holes import Holes, only, with_missing
 from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
 from .accounting.switches import Drawn
 from .frame_log import CountRows
@@ -35,7 +37,7 @@ _PREDICTORS: tuple[str, ...] = (
     "comparisons",
     "iterations",
     "levels_extracted",
-    "triangles_extracted",
+    "triangles_changed",
     "levels_borrowed",
     "objects_culled",
 )
@@ -104,7 +106,8 @@ class FrameRecorder:
         self._quality = FlatQuality(scene) if tree is None else TreeQuality(tree)
         self._errors = ScreenErrors(options.visible_px)
         self._bound = BenefitBound(scene, costs, 1 if future else options.bound_every)
-        self._index_sets = IndexSets(scene)
+        self._index_sets, self._first_uses = IndexSets(scene), FirstUses(scene.types.levels)
+        self._holes = Holes(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
         self._loaded_bytes = 0
         self._depth = None if tree is None else tree.depth
@@ -133,14 +136,22 @@ class FrameRecorder:
         """
         accounting = self._accounting
         if self._fronts is not None:
-            selection = _culled(selection, view.state.inside)
+            selection = only(selection, view.state.inside[selection.ids])
+        if self._holes.any:
+            # Of other nodes than the policy's, of which nobody knows where they changed.
+            selection, repeats, changed = self._holes.cut(selection), False, None
         drawn = accounting.drawn(selection, view, repeats=repeats)
         switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
             self._count_depths(drawn)
-        tally = accounting.tally(view.time_ns, drawn, selection.render_scale)
-        counts = (*tally.price.units, *self._cpu_counts(view, selection, drawn))
+        extraction = self._extract(view, selection, drawn)
+        first = self._first_uses.record(drawn.row.take(accounting.switches.changed))
+        changes = LevelChanges(
+            switches.levels_changed, first.levels, first.bytes + extraction.bytes
+        )
+        tally = accounting.tally(view.time_ns, drawn, selection.render_scale, changes)
+        counts = (*tally.price.units, *_cpu_counts(view, selection, extraction))
         named = dict(zip(_PREDICTORS, counts, strict=True))
         gpu_ms = tally.price.gpu_ms
         times = self._machine.run(Submitted(view, selection, drawn, named, gpu_ms))
@@ -179,22 +190,12 @@ class FrameRecorder:
             drawn_at = self._depth.take(drawn.at)
             self._by_depth += np.bincount(drawn_at, minlength=self._depths).tobytes()
 
-    def _cpu_counts(self, view: View, selection: Selection, drawn: Drawn) -> tuple[float, ...]:
-        """Return what a frame asks of the CPU beside its draw calls."""
+    def _extract(self, view: View, selection: Selection, drawn: Drawn) -> Extraction:
+        changed = self._accounting.switches.changed
         try:
-            extraction = self._index_sets.record(selection, drawn)
+            return self._index_sets.record(selection, drawn, changed)
         except ValueError as error:
             raise PolicyError(self._policy, view.frame, str(error)) from error
-        work = selection.work
-        return (
-            work.objects_visited,
-            work.comparisons,
-            work.iterations,
-            extraction.levels,
-            extraction.triangles,
-            extraction.borrowed,
-            len(view.scene),
-        )
 
     def _shown(
         self, view: View, render_scale: float, drawn: Drawn, tally: Tally
@@ -202,13 +203,15 @@ class FrameRecorder:
         """Return what the picture is worth beside that of every candidate at full detail."""
         share = render_scale * render_scale
         units = self._quality.units(view)
-        quality = self._quality.score(drawn, units)
+        quality, judged = self._quality.score(drawn, units), drawn
+        if quality.missing:
+            judged = with_missing(drawn, units, self._quality.find_missing(drawn, units))
         return (
             len(units.ids),
             len(drawn.ids),
             quality.missing,
             self._accounting.full_gpu_ms(units, drawn, tally, share),
-            *self._errors.of(drawn),
+            *self._errors.of(judged),
             share * quality.benefit,
             quality.full_benefit,
             # The bound is that of pictures rendered at full size.
@@ -223,8 +226,15 @@ class FrameRecorder:
         return self._loaded_bytes - before
 
 
-def _culled(selection: Selection, inside: BoolArray) -> Selection:
-    """Return what is left of a front when its nodes outside the frustum are culled."""
-    keep = inside[selection.ids]
-    holder = None if selection.holder is None else selection.holder[keep]
-    return replace(selection, ids=selection.ids[keep], detail=selection.detail[keep], holder=holder)
+def _cpu_counts(view: View, selection: Selection, extraction: Extraction) -> tuple[float, ...]:
+    """Return what a frame asks of the CPU beside its draw calls and changes of level."""
+    work = selection.work
+    return (
+        work.objects_visited,
+        work.comparisons,
+        work.iterations,
+        extraction.levels,
+        extraction.triangles_changed,
+        extraction.borrowed,
+        len(view.scene),
+    )

@@ -98,6 +98,7 @@ LONG = {
     "hardware.md",
     "lod-models.md",
     "recording.md",
+    "reproducing.md",
     "scenes.md",
     "suite.md",
     "sweeps.md",

@@ -22,7 +22,7 @@ def visible_error_px(run: MeasuredFrames) -> float | None:
 
 @metric("quality", "px", "lower")
 def visible_error_area_px(run: MeasuredFrames) -> float | None:
-    """Mean over time, and over nodes drawn by their area on the screen, of what is visible.
+    """Mean over time, and over nodes by their area on the screen, of what is visible.
 
     Source: as visible_error_px; by area, many small nodes do not outvote the large ones.
     """
@@ -31,7 +31,9 @@ def visible_error_area_px(run: MeasuredFrames) -> float | None:
 
 @metric("quality", "px", "lower")
 def sse_px_p95(run: MeasuredFrames) -> float | None:
-    """Mean over time of the 95th percentile, over nodes drawn, of projected geometric error.
+    """Mean over time of the 95th percentile, over nodes, of projected geometric error.
+
+    What is missing errs by the diameter of its bounding sphere.
 
     Source: screen-space error of CesiumJS, error · height / (distance · 2 tan(fovy / 2)).
     """

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ...base.content_hash import content_hash
 from ...base.errors import InputError, require_real, require_whole
 from ...models.machine.hardware import HardwareProfile
+from ...models.scene.content import require_content
 from ...models.scene.scene import Scene
 from ...policies.knob import Knob, declared_knob
 from ...policies.policy_spec import PolicySpec
@@ -122,6 +123,7 @@ def compare(
         policy.check_parameters()
     require_paths(paths, settings.warmup_s)
     knobs = {} if settings.as_shipped else find_knobs(policies)
+    require_content(scene)
     bench, rotation = _bench(policies, scene, paths, hardware, replay_options, settings, knobs)
     study = _study_hash(bench, settings)
     if target is not None and (earlier := target.begin(study)) is not None:

@@ -29,7 +29,7 @@ def read_encoded(
     path: str | Path, *, largest_bytes: int = MAX_BYTES, advice: str = ""
 ) -> tuple[str, str]:
     """Return the text, and its encoding (``UTF-8``, ``UTF-16LE``…); raises as `read_text`."""
-    data = _read_bytes(Path(path), largest_bytes, advice)
+    data = read_bytes(Path(path), largest_bytes, advice)
     encoding = _UTF16.get(data[:2], "UTF-8")
     advice = advice or "save the file as UTF-8"
     try:
@@ -51,7 +51,8 @@ def read_encoded(
     return text.lstrip(_MARK), encoding
 
 
-def _read_bytes(path: Path, largest_bytes: int, advice: str) -> bytes:
+def read_bytes(path: Path, largest_bytes: int, advice: str = "") -> bytes:
+    """Return the content of a file; raises `InputError` if it is missing, empty or too large."""
     try:
         size = path.stat().st_size
         if size > largest_bytes:

@@ -14,7 +14,7 @@ from ...base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from .cost import CostModel
 from .cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from .cost_terms.term import Footprint, FrameShape, ViewTerm
+from .cost_terms.term import NO_CHANGES, Footprint, FrameShape, LevelChanges, ViewTerm
 from .picture_units import InPicture
 from .price import Load, Price
 
@@ -73,6 +73,12 @@ class FrameCost:
             (name, term, model.unit_ms(name)) for name, term in FRAME_TERMS.items()
         ]
         self._summed = _by_unit(model)
+        # Apart, as what is new in a frame is no part of what its objects cost.
+        self._of_changes = [
+            (name, unit_ms)
+            for name, term, unit_ms in self._frame_terms
+            if term.of_changes and unit_ms
+        ]
         # Prices of one view have the same sums of what no level decides.
         self._last_seen: Footprint | None = None
         self._last_totals: dict[str, float] = {}
@@ -93,6 +99,7 @@ class FrameCost:
         fraction: FloatArray | None = None,
         pixel_share: float = 1.0,
         load: Load | None = None,
+        changes: LevelChanges = NO_CHANGES,
     ) -> Price:
         """Return the price of a frame that draws these rows.
 
@@ -108,13 +115,15 @@ class FrameCost:
             Pixels of the picture as it is rendered over those of the window.
         load
             What `load` returns for these rows, where it is known.
+        changes
+            What is new in the frame.
         """
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = InPicture(seen, pixel_share)
-        pixels, types = self._last_shape
-        if types != load.types or pixels != pixel_share * viewport_px:
-            self._last_shape = shape = FrameShape(pixel_share * viewport_px, load.types)
+        shape = FrameShape(pixel_share * viewport_px, load.types, changes)
+        if shape != self._last_shape:
+            self._last_shape = shape
             self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
         counts = self._totals(seen) | self._last_units
         for term in self._of_levels:
@@ -129,12 +138,14 @@ class FrameCost:
         if self._has_roofline:
             geometry = self._at(self.geometry_ms, row, fraction)
             ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
+        for name, each_ms in self._of_changes:
+            ms += each_ms * counts[name]
         return Price(ms, load, counts, terms_ms)
 
     def finest_ms(self, price: Price) -> float:
         """Return the GPU time of a priced frame had it drawn the same objects at full detail.
 
-        Only where the model is `level_by_level`.
+        Only where the model is `level_by_level`.  Nothing of it is new.
         """
         # What else they cost is where they are, and of how many types.
         level_ms = sum_rows(self._per_finest, price.load.times_drawn)[-1]
@@ -237,7 +248,8 @@ def _by_unit(model: CostModel) -> list[list[tuple[str, float]]]:
     """
     groups: dict[str, list[tuple[str, float]]] = {}
     of_no_level = {name: term for name, term in VIEW_TERMS.items() if not term.reads}
-    for name, term in (of_no_level | FRAME_TERMS | VIEW_TERMS).items():
+    of_frame = {name: term for name, term in FRAME_TERMS.items() if not term.of_changes}
+    for name, term in (of_no_level | of_frame | VIEW_TERMS).items():
         if model.unit_ms(name):
             groups.setdefault(term.unit, []).append((name, model.unit_ms(name)))
     return list(groups.values())

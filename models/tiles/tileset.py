@@ -1,16 +1,17 @@
 """A 3D Tiles tileset as a hierarchical scene.
 
 A tile is a node with a type of its own: its bounding sphere, its geometric error, and what its
-content draws.  Tiles whose content is missing or of a format that is not read draw nothing; how
-many they are stands in the origin.  A tileset about the Earth is brought into the plane that
-touches it there: x east, y north, z up.
+content draws.  Tiles whose content is missing or of a format that is not read would leave holes:
+where a tile above can be drawn instead, that is a leaf of the scene (`tile_holes`); how many
+contents and tiles that concerns stands in the origin.  A tileset about the Earth is brought into
+the plane that touches it there: x east, y north, z up.
 """
 
 from pathlib import Path
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
@@ -18,6 +19,7 @@ from ..scene.scene import ObjectTypes, Scene
 from ..scene.scene_file import SceneOrigin
 from .bounding_volumes import bounding_spheres
 from .tile_content import count_content
+from .tile_holes import keep_from_holes
 from .tile_walk import TileTable, walk_tileset
 
 _EARTH_M = (6_300_000.0, 6_500_000.0)  # distances from the Earth's centre that mean its surface
@@ -49,14 +51,27 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
     if on_earth:
         center = _to_tangent_plane(center)
     counts, size, read, absent = _contents(table)
-    name = path.parent.resolve().name if path.stem == "tileset" else path.stem
-    types = _types(np.maximum(radius, _LEAST_RADIUS_M), error, counts, size)
     parent, additive = (
         [getattr(row, name) for row in table.rows] for name in ("parent", "additive")
     )
-    rows = np.arange(len(table))
-    scene = Scene.of(name, types, rows, center, parent=parent, additive=additive)
-    contents = sum(len(row.files) for row in table.rows)
+    solid = counts[:, LEVEL_PREDICTORS.index("triangles")] > 0.0
+    files = np.array([len(row.files) for row in table.rows])
+    keep = keep_from_holes(parent, additive, solid, read == files, files == 0)
+    name = path.parent.resolve().name if path.stem == "tileset" else path.stem
+    radius = np.maximum(radius, _LEAST_RADIUS_M)
+    types = _types(radius[keep], error[keep], counts[keep], size[keep])
+    rows = np.arange(int(np.count_nonzero(keep)))
+    # Roots, at -1, stay roots: the last place stands for none.
+    place = np.append(np.cumsum(keep) - 1, -1)
+    scene = Scene.of(
+        name,
+        types,
+        rows,
+        center[keep],
+        parent=place[np.array(parent)[keep]],
+        additive=np.array(additive)[keep],
+    )
+    contents = int(files.sum())
     return scene, SceneOrigin(
         "3d-tiles",
         (path.name,),
@@ -64,9 +79,10 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
             "tiles": len(table),
             "tilesets": table.tilesets,
             "contents": contents,
-            "contents_read": read,
+            "contents_read": int(read.sum()),
             "contents_missing": absent,
-            "contents_of_other_formats": contents - read - absent,
+            "contents_of_other_formats": contents - int(read.sum()) - absent,
+            "tiles_left_out": len(table) - len(rows),
             "errors_missing_read_as_0": int(np.isnan(error).sum()),
             "request_volumes_ignored": table.request_volumes,
             "frame": "east-north-up" if on_earth else "as in the file",
@@ -74,11 +90,11 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
     )
 
 
-def _contents(table: TileTable) -> tuple[FloatArray, FloatArray, int, int]:
-    """Return counts (n, P) and bytes (n,) of tiles, and how many contents were read and absent."""
+def _contents(table: TileTable) -> tuple[FloatArray, FloatArray, IntArray, int]:
+    """Return counts (n, P), bytes and contents read (n,) of tiles, and how many are absent."""
     counts, size = np.zeros((len(table), len(LEVEL_PREDICTORS))), np.zeros(len(table))
     known: dict[Path, FloatArray | None] = {}
-    read = absent = 0
+    read, absent = np.zeros(len(table), dtype=np.int64), 0
     for row, tile in enumerate(table.rows):
         for path in tile.files:
             if path is None:
@@ -90,7 +106,7 @@ def _contents(table: TileTable) -> tuple[FloatArray, FloatArray, int, int]:
             drawn = known[path]
             if drawn is not None:
                 counts[row] += drawn
-                read += 1
+                read[row] += 1
     return counts, size, read, absent
 
 

@@ -61,7 +61,7 @@ class Frame:
     batches: tuple[Batch, ...]
 
     @property
-    def bytes_uploaded(self) -> int:
+    def instance_bytes(self) -> int:
         """Bytes that go to the device for this frame."""
         return len(self.projection) + len(self.instances) + len(self.palette)
 
@@ -82,7 +82,7 @@ class Counts:
     textured_triangles: int
     state_changes: int
     framebuffer_pixels: int
-    bytes_uploaded: int
+    instance_bytes: int
 
 
 def prepare_frame(scene: Scene, meshes: Meshes, picture: Picture, *, instancing: bool) -> Frame:
@@ -122,5 +122,5 @@ def count_frame(meshes: Meshes, frame: Frame) -> Counts:
         before = batch.kind
     pixels = frame.size_px[0] * frame.size_px[1]
     return Counts(
-        calls, vertices, triangles, skinned, textured, changes, pixels, frame.bytes_uploaded
+        calls, vertices, triangles, skinned, textured, changes, pixels, frame.instance_bytes
     )

@@ -23,7 +23,7 @@ from .opengl_machine import GlMachine
 
 _FROM_LOG = {
     "projected_px": "shaded_samples",  # the simulator's count of them
-    "levels_changed": "toggles",
+    "levels_changed": "levels_changed",
     "objects_visited": "objects_visited",
     "comparisons": "comparisons",
     "iterations": "iterations",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-from ...models.machine.cost_terms.term import Footprint
+from ...models.machine.cost_terms.term import NO_CHANGES, Footprint, LevelChanges
 from ...models.machine.frame_cost import FrameCost
 from ...models.machine.price import Price
 from ...models.scene.camera import Camera
@@ -51,7 +51,7 @@ class Accounting:
         self._row, self._full_row = none, none
         self._load = self._full_load = costs.load(none)
         self.viewport_px = float(camera.viewport_px)
-        self.switches = Switches(len(scene), crossfade_ns, self.viewport_px, visible_px)
+        self.switches = Switches(len(scene), levels, crossfade_ns, self.viewport_px, visible_px)
 
     def drawn(self, selection: Selection, view: View, *, repeats: bool = False) -> Drawn:
         """Return what a valid selection draws.
@@ -90,7 +90,13 @@ class Accounting:
             self._full_row, self._full_load = row, self._costs.load(row)
         return self._costs.frame(row, view, self.viewport_px, load=self._full_load).gpu_ms
 
-    def tally(self, time_ns: int, drawn: Drawn, render_scale: float = 1.0) -> Tally:
+    def tally(
+        self,
+        time_ns: int,
+        drawn: Drawn,
+        render_scale: float = 1.0,
+        changes: LevelChanges = NO_CHANGES,
+    ) -> Tally:
         """Return counts and noise-free GPU time, the old level of every cross-fade included.
 
         Shaded samples and the framebuffer's pixels go with the square of the render scale.
@@ -116,6 +122,7 @@ class Accounting:
             fraction=fraction,
             pixel_share=render_scale * render_scale,
             load=load,
+            changes=changes,
         )
         return Tally(price, len(at))
 

@@ -1,7 +1,8 @@
 """Switches in a hierarchy: a node that gives way to its children, or takes their place, is one.
 
 This is how the HLOD thesis counts (chapter 6): one toggle for a node however many children it has.
-A reversal is a second toggle of the same node within `REVERSAL_NS`.
+A reversal is a second toggle of the same node within `REVERSAL_NS`.  Levels changed are the nodes
+drawn in the place of others, as each has content of its own.
 """
 
 import numpy as np
@@ -51,7 +52,7 @@ class Fronts:
         # The culler fills the same array again in the next frame.
         self._inside = inside.copy()
         popping_px = refined_px + coarsened_px
-        return SwitchCounts(len(switched), int(reversals), popping_px, len(visible))
+        return SwitchCounts(len(switched), int(reversals), popping_px, len(visible), len(came))
 
     def _popping(self, view: View, finer: IntArray, coarser: IntArray) -> tuple[float, IntArray]:
         """Return the popping of switches, and the coarser nodes of those that are seen."""

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, sum_rows
 from ...models.scene.benefit import BASE_ERROR, level_accuracy, level_primitives
@@ -33,7 +34,7 @@ class ScreenErrors:
         self._below_px = 0.0  # where the next frame's percentile should not be
 
     def of(self, drawn: Drawn) -> tuple[float, float, float]:
-        """Return the 95th percentile (lower rank) and maximum of drawn nodes' errors in px.
+        """Return the 95th percentile (lower rank) and maximum of nodes' errors in px.
 
         The third is the mean over nodes, by their area, of what of the error is visible.
         """
@@ -101,6 +102,10 @@ class FlatQuality:
             degradation += float(whole.sum() - weight.sum())
         return Quality(benefit, full_benefit, degradation, full_degradation, missing)
 
+    def find_missing(self, drawn: Drawn, units: View) -> NDArray[np.intp]:
+        """Return the positions of `units` of which nothing is drawn."""
+        return (~np.isin(units.ids, drawn.ids)).nonzero()[0]
+
     def _scores(self, drawn: Drawn) -> FloatArray:
         """Return accuracy and one over primitives of each node, drawn and at its finest, (4, m)."""
         scores = self._per_level.take(drawn.row, axis=1)
@@ -150,6 +155,10 @@ class TreeQuality:
             float((weight / np.maximum(full, 1.0)).sum()),
             int(np.count_nonzero(cover < 0)),
         )
+
+    def find_missing(self, drawn: Drawn, units: View) -> NDArray[np.intp]:
+        """Return the positions of `units` of which nothing is drawn."""
+        return (self._tree.cover(drawn.ids)[units.ids] < 0).nonzero()[0]
 
 
 def _accuracy(samples: FloatArray) -> FloatArray:

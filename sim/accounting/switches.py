@@ -5,7 +5,8 @@ node toggles when its resolution passes a knot of its level table, its stated di
 reversal is a toggle that returns, within `REVERSAL_NS`, to the level that the last toggle left.
 Popping sums, over every change of detail, the change of projected error weighted by the share of
 the viewport that the node covers.  A visible pop is a change of detail, between knots too, that
-changes the projected error by `visible_px` or more: less is not seen.
+changes the projected error by `visible_px` or more: less is not seen.  A level is changed where a
+node is drawn at another level than in the frame before, of a continuous one another collapse step.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
+from ...models.continuous.collapse_steps import CollapseSteps
+from ...models.scene.levels import LevelTable
 from ...policies.view import View
 
 REVERSAL_NS = 500_000_000
@@ -69,6 +72,7 @@ class SwitchCounts:
     reversals: int = 0
     popping_px: float = 0.0
     visible_pops: int = 0
+    levels_changed: int = 0
 
     def __add__(self, other: "SwitchCounts") -> "SwitchCounts":
         return SwitchCounts(
@@ -76,6 +80,7 @@ class SwitchCounts:
             self.reversals + other.reversals,
             self.popping_px + other.popping_px,
             self.visible_pops + other.visible_pops,
+            self.levels_changed + other.levels_changed,
         )
 
 
@@ -86,11 +91,19 @@ class Switches:
     ----------
     detail : (N,) float64
         Detail at which each node was last drawn, NaN before that.
+    changed : (c,) intp
+        Positions at which the last frame drew another detail than the node was last drawn at.
     """
 
     def __init__(
-        self, nodes: int, crossfade_ns: int, viewport_px: float, visible_px: float
+        self,
+        nodes: int,
+        levels: LevelTable,
+        crossfade_ns: int,
+        viewport_px: float,
+        visible_px: float,
     ) -> None:
+        self._steps = CollapseSteps(levels)
         self._crossfade_ns = crossfade_ns
         self._viewport_px, self._visible_px = viewport_px, visible_px
         # When each node was last drawn, but for those that the last frame draws, and at which row.
@@ -108,6 +121,7 @@ class Switches:
         self._detail = np.full(nodes, np.nan)
         self.detail = self._detail.view()
         self.detail.flags.writeable = False
+        self.changed = _NOWHERE
 
     def record(
         self, frame: int, time_ns: int, drawn: Drawn, changed: NDArray[np.intp] | None = None
@@ -121,9 +135,10 @@ class Switches:
             return self._record_others(frame, time_ns, drawn, changed)
         # The same nodes as in the frame before.
         if row is self._row:
+            self.changed = _NOWHERE
             return _NO_SWITCHES
         self._row = row
-        at = self._find_changed(drawn) if changed is None else changed
+        at = self.changed = self._find_changed(drawn) if changed is None else changed
         return self._change(at, at, time_ns, drawn) if len(at) else _NO_SWITCHES
 
     def _record_others(
@@ -134,7 +149,7 @@ class Switches:
         # Frames are kept where nodes come or go: all others were drawn for as long as these stayed.
         self._frame[self._ids] = frame - 1
         self._row, self._ids = drawn.row, ids
-        at = self._find_changed(drawn) if changed is None else changed
+        at = self.changed = self._find_changed(drawn) if changed is None else changed
         # Drawn in the frame before, or it came into view, which is no switch.
         known = at[self._frame.take(ids.take(at)) == frame - 1]
         return self._change(at, known, time_ns, drawn) if len(at) else _NO_SWITCHES
@@ -165,9 +180,12 @@ class Switches:
         step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.px_per_m.take(at)
         popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
         visible_pops = int(np.count_nonzero(step >= self._visible_px))
-        new_row, old_row = drawn.row.take(at), self._last_row.take(ids)
+        new_row, old_row, levels_changed = drawn.row.take(at), self._last_row.take(ids), len(ids)
         if drawn.fraction is not None:
-            # Between two knots detail changes, and the picture with it, but no level is switched.
+            kind, detail = drawn.seen.type_index.take(at), drawn.detail.take(at)
+            level, old = self._steps.level(kind, detail), self._detail.take(ids)
+            levels_changed = int(np.count_nonzero(level != self._steps.level(kind, old)))
+            # Between two knots detail changes, and the picture with it, but no knot is passed.
             passed = old_row != new_row
             ids, new_row, old_row = ids[passed], new_row[passed], old_row[passed]
         # Both before they are overwritten by this toggle.
@@ -178,7 +196,8 @@ class Switches:
         if self._crossfade_ns:
             self._fade_row[ids] = old_row
             self._fade_end_ns[ids] = time_ns + self._crossfade_ns
-        return SwitchCounts(len(ids), int(np.count_nonzero(undone)), popping_px, visible_pops)
+        reversals = int(np.count_nonzero(undone))
+        return SwitchCounts(len(ids), reversals, popping_px, visible_pops, levels_changed)
 
     def fading(
         self, time_ns: int, ids: NDArray[np.intp]

@@ -48,7 +48,7 @@ def test_info_is_one_document(tmp_path: Path) -> None:
     out = tmp_path / "t.csv"
     run_json("generate", "orbit", "--out", out, "--extent-m", 20)
     record = run_json("info", out, "--scale", 2)
-    assert record["schema"] == "lodbench.trace-info/1"
+    assert record["schema"] == "lodbench.trace-info/2"
     assert (record["format"], record["name"], record["samples"]) == ("csv", "orbit-0", 3601)
     assert record["speed_m_s"]["p50"] == pytest.approx(10.0, rel=1e-4)
     assert record["placement"]["scale"] == 2.0

@@ -75,6 +75,10 @@ class CameraTrace:
         Time of the first sample in the source.
     repairs
         What a reader mended, counted.
+    assumed
+        What a reader took for granted, in words.
+    fovy_deg
+        Vertical field of view that the source states; None where it has none.
     """
 
     name: str
@@ -84,6 +88,8 @@ class CameraTrace:
     cut: BoolArray
     origin_s: float = 0.0
     repairs: tuple[Repair, ...] = ()
+    assumed: tuple[str, ...] = ()
+    fovy_deg: float | None = None
     _times: list[float] = field(init=False)
     _rows: list[tuple[float, ...]] = field(init=False)
 
@@ -104,7 +110,8 @@ class CameraTrace:
     def __reduce__(self) -> tuple[type["CameraTrace"], tuple[object, ...]]:
         # Built anew where it is unpickled: arrays are read-only there too, and rows do not travel.
         arrays = (self.time_s, self.position_m, self.orientation_xyzw, self.cut)
-        return CameraTrace, (self.name, *arrays, self.origin_s, self.repairs)
+        read = (self.origin_s, self.repairs, self.assumed, self.fovy_deg)
+        return CameraTrace, (self.name, *arrays, *read)
 
     def __len__(self) -> int:
         return len(self._times)
@@ -149,6 +156,8 @@ class CameraTrace:
             np.concatenate(((False,), self.cut[inside], (ends_in_cut,))),
             self.origin_s + start_s,
             self.repairs,
+            self.assumed,
+            self.fovy_deg,
         )
 
     def pose_at(self, time_s: float) -> Pose:
@@ -173,10 +182,15 @@ class CameraTrace:
         if cosine < 0.0:
             b = -b
         u = 1.0 - t
-        return Pose(
-            (u * x + t * nx, u * y + t * ny, u * z + t * nz),
-            (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw),
-        )
+        position = (u * x + t * nx, u * y + t * ny, u * z + t * nz)
+        turned = (a * qx + b * rx, a * qy + b * ry, a * qz + b * rz, a * qw + b * rw)
+        # Products of shares round: what is equal at both ends is that to the last bit in between,
+        # so that a camera at rest sees the same picture in every frame.
+        if x == nx and y == ny and z == nz:
+            position = (x, y, z)
+        if (qx, qy, qz, qw) in ((rx, ry, rz, rw), (-rx, -ry, -rz, -rw)):
+            turned = (qx, qy, qz, qw)
+        return Pose(position, turned)
 
 
 def first_too_late(time_s: FloatArray) -> int | None:

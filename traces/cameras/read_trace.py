@@ -1,11 +1,25 @@
 """Read a camera trace from a file of any known format, named or recognised by its content."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from ...base.errors import InputError, about_users_code, is_file, require_kind
+from ...base.errors import (
+    InputError,
+    LodbenchError,
+    about_file,
+    about_users_code,
+    is_file,
+    require_kind,
+)
+from ...base.foreign_text import describe_error
 from ...base.name_registry import Registry
 from .camera_trace import CameraTrace
+from .formats.columns import read_columns
+from .reading.poses import AS_FOUND, Poses, Reading, trace_of_poses
+from .reading.units import UNITS_M
 from .text_lines import first_data, read_lines
 from .trace_format import TraceFormat
 
@@ -16,10 +30,24 @@ FORMATS: Registry[TraceFormat] = Registry(
     {
         "csv": "native_csv:FORMAT",
         "parquet": "native_parquet:FORMAT",
+        "chan": "engines.nuke_chan:FORMAT",
         "tum": "tum:FORMAT",
         "euroc": "euroc:FORMAT",
         "kitti": "kitti:FORMAT",
         "headset": "headset:FORMAT",
+        "airsim": "engines.airsim:FORMAT",
+        "unreal-view": "engines.unreal_view:FORMAT",
+        "nerfstudio": "reconstruction.nerfstudio:FORMAT",
+        "nerf": "reconstruction.nerf:FORMAT",
+        "gaussian-splats": "reconstruction.gaussian_splats:FORMAT",
+        "colmap": "reconstruction.colmap:FORMAT",
+        "colmap-binary": "reconstruction.colmap:BINARY",
+        "open3d-log": "reconstruction.open3d:FORMAT",
+        "open3d-json": "reconstruction.open3d:JSON",
+        "matrices": "reconstruction.matrices:FORMAT",
+        "cesium": "engines.cesium:FORMAT",
+        "gltf-camera": "engines.gltf_camera:FORMAT",
+        "columns": "columns:FORMAT",
     },
 )
 """All formats by name, in the order in which a file is shown to them."""
@@ -35,7 +63,9 @@ def register_format(name: str, known: TraceFormat) -> None:
     FORMATS.register(name, known)
 
 
-def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
+def read_trace(
+    spec: str, format_name: str | None = None, reading: Reading = AS_FOUND
+) -> CameraTrace:
     """Read the trace that ``PATH`` or ``PATH#SELECTOR`` names.
 
     Raises `InputError` if the format is not known, the file breaks it, or a format of a user's own
@@ -49,13 +79,49 @@ def read_trace(spec: str, format_name: str | None = None) -> CameraTrace:
     format_name
         A name in `FORMATS`, or ``file.py:NAME`` or ``package.module:NAME`` of a `TraceFormat`; None
         recognises the format by the content.
+    reading
+        What the user says about axes, units, rate and columns, in place of what the format does.
     """
     path, selector = split_spec(spec)
+    if reading.columns:
+        with about_file(path), _one_line(path):
+            return trace_of_poses(read_columns(path, selector, reading), path, reading)
     name = format_of(path) if format_name is None else format_name
     known = FORMATS.find(name)
-    with about_users_code(known.read, name, path):
-        trace = known.read(path, selector)
-    return require_kind(trace, CameraTrace, name, path)
+    with about_users_code(known.read, name, path), _one_line(path):
+        found = known.read(path, selector)
+    if isinstance(found, Poses):
+        with about_file(path), _one_line(path):
+            return trace_of_poses(found, path, reading)
+    trace = require_kind(found, CameraTrace, name, path)
+    return trace if reading == AS_FOUND else _said_otherwise(trace, name, reading, path)
+
+
+def _said_otherwise(trace: CameraTrace, name: str, reading: Reading, path: Path) -> CameraTrace:
+    """Return a trace of a format that states its axes and clock; only its unit may be another."""
+    if (reading.frame, reading.time_unit, reading.rate_hz) != (None, None, None):
+        raise InputError(
+            f"expected no frame, time unit or rate for {name}, which states them, got some; "
+            "leave them out, or read it as a table with --from columns",
+            path=path,
+        )
+    scale = UNITS_M[reading.unit or "m"]
+    return replace(trace, position_m=trace.position_m * scale)
+
+
+@contextmanager
+def _one_line(path: Path) -> Generator[None]:
+    """Turn whatever else a reader raises on a damaged file into one line."""
+    try:
+        yield
+    except (LodbenchError, OSError):
+        raise
+    except (ValueError, ArithmeticError, LookupError, TypeError, RecursionError) as error:
+        raise InputError(
+            f"expected a camera trace, got a file that cannot be read ({describe_error(error)}); "
+            "export it again",
+            path=path,
+        ) from error
 
 
 def split_spec(spec: str) -> tuple[Path, str | None]:
@@ -86,11 +152,16 @@ def format_of(path: Path) -> str:
 
 
 def _head_lines(path: Path) -> list[str]:
-    """First non-blank lines of a text file; of a Parquet file only the mark it begins with."""
+    """First non-blank lines of a text file; of a binary one only what it begins with, or is."""
     try:
         with path.open("rb") as file:
-            if file.read(4) == b"PAR1":
-                return ["PAR1"]
+            head = file.read(64)
+        if head[:4] == b"PAR1":
+            return ["PAR1"]
+        if head[:4] == b"glTF":
+            return ["binary glTF"]
+        if b"\0\0\0" in head and path.suffix == ".bin":
+            return [f"binary {path.name}"]
     except (OSError, ValueError):
         pass  # reading the text says what is wrong
     stripped = (line.strip() for line in read_lines(path))

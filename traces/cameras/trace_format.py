@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ...base.errors import InputError
 from .camera_trace import CameraTrace
+from .reading.poses import Poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,10 +18,11 @@ class TraceFormat:
     what
         One line for tables.
     recognises
-        Takes the first non-blank lines (of a Parquet file, ``PAR1``) and says whether they are of
-        this format.
+        Takes the first non-blank lines (of a Parquet file, ``PAR1``; of another binary one,
+        ``binary`` and its name) and says whether they are of this format.
     read
-        Takes the path and the part of the specification after ``#`` (None when there is none).
+        Takes the path and the part of the specification after ``#`` (None when there is none);
+        returns a trace, or poses in the file's own axes and units.
     write
         Writes a trace to a path; None where the format is only read.
     suffixes
@@ -29,7 +31,7 @@ class TraceFormat:
 
     what: str
     recognises: Callable[[list[str]], bool]
-    read: Callable[[Path, str | None], CameraTrace]
+    read: Callable[[Path, str | None], CameraTrace | Poses]
     write: Callable[[CameraTrace, Path], None] | None = None
     suffixes: tuple[str, ...] = ()
 

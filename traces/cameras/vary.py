@@ -55,6 +55,7 @@ def vary(trace: CameraTrace, seed: int) -> CameraTrace:
         np.array([pose.position_m for pose in poses]),
         turn_by(gaze, np.radians(yaw_deg), np.radians(pitch_deg)),
         np.append(False, np.diff(passed) != 0),
+        fovy_deg=trace.fovy_deg,
     )
 
 

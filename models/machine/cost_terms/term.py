@@ -33,11 +33,33 @@ class Footprint(Protocol):
         ...
 
 
+class LevelChanges(NamedTuple):
+    """What a frame draws that the frames before did not.
+
+    Attributes
+    ----------
+    levels_changed : int
+        Nodes drawn at another level than in the frame before.
+    first_uses : int
+        Levels drawn for the first time.
+    bytes_uploaded : float
+        Geometry of these, and index sets that changed.
+    """
+
+    levels_changed: int = 0
+    first_uses: int = 0
+    bytes_uploaded: float = 0.0
+
+
+NO_CHANGES = LevelChanges()
+
+
 class FrameShape(NamedTuple):
-    """What a frame is as a whole: pixels rendered, and distinct types drawn."""
+    """What a frame is as a whole: pixels rendered, distinct types drawn, and what is new in it."""
 
     pixels: float
     types: int
+    changes: LevelChanges = NO_CHANGES
 
 
 class FrameTerm(ABC):
@@ -47,9 +69,12 @@ class FrameTerm(ABC):
     ----------
     unit : str
         What is counted.
+    of_changes : bool
+        Whether it is of what is new in the frame, and so of no frame by itself.
     """
 
     unit: ClassVar[str]
+    of_changes: ClassVar[bool] = False
 
     @abstractmethod
     def count(self, frame: FrameShape) -> float:

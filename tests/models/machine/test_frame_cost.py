@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from lodbench.base.arrays import FloatArray
-from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
+from lodbench.base.predictors import CHANGE_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine import cost_terms
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
+from lodbench.models.machine.cost_terms.term import LevelChanges
 from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.machine.picture_units import view_units
 from lodbench.models.scene.levels import LevelTable, count_rows
@@ -116,6 +117,24 @@ def test_a_frame_by_hand(make_levels: MakeLevels) -> None:
     assert (counts["triangles"], counts["draw_calls"], counts["state_changes"]) == (43, 3, 2)
     assert (counts["shaded_samples"], counts["framebuffer_pixels"]) == (48.0, 800.0)
     assert math.isnan(counts["rasterized_triangles"])
+
+
+def test_what_is_new_in_a_frame_by_hand(make_levels: MakeLevels) -> None:
+    """Three changes of 2 ms, one first use of 16 and 100 bytes of 1/8, beside 20 triangles of 1.
+
+    At full detail 40 triangles are drawn, and nothing of that is new; without prices all is free.
+    """
+    unit_ms = {"triangles": 1.0, "levels_changed": 2.0, "first_uses": 16.0, "bytes_uploaded": 0.125}
+    costs = FrameCost(CostModel.of(5.0, unit_ms), make_levels([(40, 20)]))
+    row, view, changes = np.array([1]), seen([8.0]), LevelChanges(3, 1, 100.0)
+    price = costs.frame(row, view, 800.0, changes=changes)
+    assert price.gpu_ms == 5.0 + 20 + 3 * 2 + 16 + 12.5
+    assert costs.frame(row, view, 800.0).gpu_ms == 25.0
+    assert costs.finest_ms(price) == 45.0
+    counts = costs.counts(price)
+    assert [counts[name] for name in CHANGE_PREDICTORS] == [3, 1, 100.0]
+    free = FrameCost(CostModel.of(5.0, {"triangles": 1.0}), make_levels([(40, 20)]))
+    assert free.frame(row, view, 800.0, changes=changes).gpu_ms == 25.0
 
 
 def test_a_frame_at_full_detail_by_hand(make_levels: MakeLevels) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from lodbench.base.predictors import CHANGE_PREDICTORS, CPU_PREDICTORS, GPU_PREDICTORS
 from lodbench.models.machine.profile_catalog import list_hardware, load_hardware
 from lodbench.models.machine.profile_writer import write_profile
 
@@ -16,7 +16,8 @@ PROFILES = Path(__file__).parents[3] / "models" / "machine" / "profiles"
 def test_every_bundled_profile_loads_under_its_own_name():
     """The name of the file is the name inside it."""
     names = list_hardware()
-    assert names == ("desktop-assumed", "geforce2go-2002", "llvmpipe")
+    assumed = ("athlon64-6800ultra-assumed", "desktop-assumed")
+    assert names == (*assumed, "geforce2go-2002", "llvmpipe")
     assert [load_hardware(name).name for name in names] == list(names)
 
 
@@ -50,16 +51,24 @@ def test_zach_2002_has_exactly_the_constants_printed():
 
 
 def test_the_assumed_profile_says_so_and_others_do_not():
-    """Only the profile with assumed costs carries the mark."""
+    """Only the profiles with assumed costs carry the mark, and their names say so too."""
     marked = [name for name in list_hardware() if load_hardware(name).provenance.assumed]
-    assert marked == ["desktop-assumed"]
+    assert marked == ["athlon64-6800ultra-assumed", "desktop-assumed"]
 
 
-def test_every_number_of_the_assumed_profile_has_its_source_on_the_line():
-    """A coefficient in the assumed profile is marked assumed, or names who measured it."""
-    text = (PROFILES / "desktop-assumed.toml").read_text(encoding="utf-8")
+def test_every_number_of_an_assumed_profile_has_its_source_on_the_line():
+    """A coefficient in an assumed profile is marked assumed, or names who measured it."""
+    changes = len(CHANGE_PREDICTORS)
+    for name, count in (
+        ("desktop-assumed", 2 + 8 + len(CPU_PREDICTORS) - changes),
+        ("athlon64-6800ultra-assumed", 2 + 2 + 3),
+    ):
+        _assert_sourced((PROFILES / f"{name}.toml").read_text(encoding="utf-8"), count)
+
+
+def _assert_sourced(text: str, count: int) -> None:
     amounts = [line for line in text.splitlines() if "unit =" in line]
-    assert len(amounts) == 2 + 8 + len(CPU_PREDICTORS)
+    assert len(amounts) == count
     for line in amounts:
         assert "assumed" in line or "CesiumJS" in line or "Peng" in line, line
 

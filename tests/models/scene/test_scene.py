@@ -9,6 +9,7 @@ import pytest
 
 from lodbench.base.errors import InputError
 from lodbench.models.machine.cost import CostModel
+from lodbench.models.scene.content import require_content
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.motion import Motion
 from lodbench.models.scene.scene import ObjectTypes, Scene
@@ -105,3 +106,11 @@ def test_types_need_levels_each(make_levels: MakeLevels) -> None:
     """Two names need two chains of levels."""
     with pytest.raises(InputError, match="levels: expected 2 types as in names, got 1"):
         ObjectTypes(("a", "b"), np.zeros((2, 3)), np.ones(2), make_levels())
+
+
+def test_a_scene_of_nothing_is_refused(make_scene: MakeScene, make_levels: MakeLevels) -> None:
+    """Three nodes without a triangle cannot tell policies apart; one triangle is something."""
+    nothing = make_scene(np.zeros((3, 3)), levels=make_levels([(0, 0)]))
+    with pytest.raises(InputError, match=r"expected something to draw, got 3 nodes without"):
+        require_content(nothing)
+    require_content(make_scene(np.zeros((3, 3)), levels=make_levels([(1, 0)])))

@@ -37,7 +37,7 @@ def test_counts_by_hand(drawing: Any, cube: Any, quad: Any, instancing: bool, ca
         textured_triangles=2 * 4,
         state_changes=2,
         framebuffer_pixels=32 * 48,
-        bytes_uploaded=uploaded,
+        instance_bytes=uploaded,
     )
 
 

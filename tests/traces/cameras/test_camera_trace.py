@@ -57,6 +57,21 @@ def test_negated_quaternion_takes_the_shorter_arc() -> None:
     assert half == pytest.approx((0.0, 0.0, ROOT_HALF, ROOT_HALF), abs=1e-15)
 
 
+def test_a_camera_at_rest_has_the_same_bits() -> None:
+    """Between two equal poses, at any time, the pose is exactly theirs; so is each half of it."""
+    rng = np.random.default_rng(6)
+    for turn in Rotation.random(40, rng=rng).as_quat().tolist():
+        here, there = rng.normal(size=(2, 3)).tolist()
+        other = Rotation.random(rng=rng).as_quat().tolist()
+        still = make_trace([0.0, 0.7], [here] * 2, [turn, turn])
+        moving = make_trace([0.0, 0.7], [here, there], [turn, [-value for value in turn]])
+        turning = make_trace([0.0, 0.7], [here] * 2, [turn, other])
+        for time_s in rng.uniform(0.0, 0.7, 20).tolist():
+            assert still.pose_at(time_s) == (tuple(here), tuple(turn))
+            assert moving.pose_at(time_s).orientation_xyzw == tuple(turn)
+            assert turning.pose_at(time_s).position_m == tuple(here)
+
+
 def test_cut_holds_the_pose_before_it() -> None:
     """Nothing is interpolated across a teleport; the new pose starts exactly at its time."""
     trace = make_trace(

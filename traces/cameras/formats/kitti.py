@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ....base.arrays import FloatArray, refuse_rows
+from ....base.arrays import FloatArray
 from ....base.errors import InputError
 from ..camera_trace import CameraTrace, Repair
 from ..orientation import camera_from_optical
-from ..samples import MAX_NORM_ERROR, ROUNDING, trace_from_samples
+from ..reading.rotations import nearest_rotations
+from ..samples import trace_from_samples
 from ..text_lines import data_lines, first_data, read_rows
 from ..trace_format import TraceFormat
 
@@ -33,7 +34,7 @@ def read_kitti(path: Path, selector: str | None = None) -> CameraTrace:
     """
     lines, table = read_rows(data_lines(path), COLUMNS, path)
     matrices = table.reshape(-1, 3, 4)
-    rotations, projected = _nearest_rotations(matrices[:, :, :3], path, lines)
+    rotations, projected = nearest_rotations(matrices[:, :, :3], path, lines)
     from scipy.spatial.transform import Rotation
 
     orientation: FloatArray = Rotation.from_matrix(Z_UP @ rotations).as_quat()
@@ -72,26 +73,6 @@ def _read_times(path: Path, poses: Path, count: int) -> FloatArray:
         )
         raise InputError(message, path=path)
     return times
-
-
-def _nearest_rotations(
-    matrices: FloatArray, path: Path, lines: list[int]
-) -> tuple[FloatArray, int]:
-    """Nearest rotation (polar decomposition) of each matrix, and how many were off noticeably."""
-    clipped = np.clip(matrices, -2.0, 2.0)  # what is larger is refused, and must not overflow
-    product = clipped @ np.swapaxes(clipped, 1, 2)
-    error = np.abs(product - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    refuse_rows(
-        (error > MAX_NORM_ERROR) | (np.linalg.det(clipped) <= 0.0),
-        lambda _: (
-            "expected the first three columns to be a rotation, got a matrix whose rows are not "
-            "right-handed unit vectors at right angles; check the order of the numbers"
-        ),
-        path=path,
-        lines=lines,
-    )
-    left, _, right = np.linalg.svd(matrices)
-    return left @ right, int(np.sum(error > ROUNDING))
 
 
 def _recognises(head: list[str]) -> bool:

@@ -5,6 +5,7 @@ IROS 2012. The world frame has z up. The pose is that of the colour camera's opt
 looks along +z with x right and y down; half a turn about x makes it the camera frame used here.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ from ..samples import trace_from_samples
 from ..text_lines import data_lines, first_data, read_rows
 from ..trace_format import TraceFormat, refuse_selector
 
+_NANOSECONDS = 1e17
+"""Clock times above are not in seconds: ORB-SLAM3 writes nanoseconds where it was fed with them."""
+
 COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 
 
@@ -26,14 +30,21 @@ def read_tum(path: Path, selector: str | None = None) -> CameraTrace:
     """
     refuse_selector(selector, path, "TUM")
     lines, table = read_rows(data_lines(path), COLUMNS, path)
-    return trace_from_samples(
+    time_s, first_s, assumed = table[:, 0], 0.0, ()
+    if len(table) and table[0, 0] > _NANOSECONDS:
+        # Subtracted first, since nanoseconds since 1970 fill all digits of a number.
+        time_s, first_s = (time_s - time_s[0]) * 1e-9, float(time_s[0]) * 1e-9
+        assumed = ("times in ns",)
+    trace = trace_from_samples(
         path.stem,
         path,
         lines,
-        time_s=table[:, 0],
+        time_s=time_s,
         position_m=table[:, 1:4],
         orientation_xyzw=camera_from_optical(table[:, 4:8]),
+        origin_s=first_s,
     )
+    return replace(trace, assumed=assumed)
 
 
 def write_tum(trace: CameraTrace, path: Path) -> None:
@@ -54,8 +65,8 @@ def write_tum(trace: CameraTrace, path: Path) -> None:
 
 
 def _recognises(head: list[str]) -> bool:
-    first = first_data(head)
-    return len(first.split()) == len(COLUMNS) and "," not in first
+    fields = first_data(head).split()
+    return len(fields) == len(COLUMNS) and fields[0][-1:].isdigit() and "," not in fields[0]
 
 
 FORMAT = TraceFormat(

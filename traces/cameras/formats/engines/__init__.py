@@ -1,0 +1,1 @@
+"""Paths of engines, tools and vehicles."""

@@ -1,0 +1,1 @@
+"""Poses of reconstructions: structure from motion, radiance fields, splats."""
