@@ -2,8 +2,8 @@
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
 ``texture_bytes``), or a term of each object (``shaded_samples`` … ``untextured_triangles``), or of
-the frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of every
-coefficient vector in the package.
+the frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of
+every coefficient vector in the package.
 """
 
 LEVEL_PREDICTORS = (

@@ -127,7 +127,7 @@ ESTIMATE = Experiment(
     id="hlod/estimate",
     title="accuracy of the estimated render time (R3, figure 6.4)",
     setting="`city`, the walk, times that stray from the cost model by 15 % with a correlation of "
-    "0.97 from frame to frame; 400 frames from frame 300; 5 seeds.",
+    "0.97 from frame to frame; the last 350 of 700 frames; 5 seeds.",
     constants={
         **CONSTANTS,
         "noise": Constant(

@@ -13,15 +13,16 @@ IDS = [f"hlod/{name}" for name in ("fly", "walk", "estimate", "frame-time", "mem
 
 
 def test_windows_begin_where_the_share_has_settled() -> None:
-    """A share that rises for 500 frames and rests: its last 100 changed by less than 5 % at 595."""
-    share_ms = np.concatenate((np.linspace(30.0, 60.0, 500), np.full(900, 60.0)))
+    """A share that rises for 950 frames and rests: from where 100 frames changed it by 5 %."""
+    share_ms = np.concatenate((np.linspace(10.0, 60.0, 950), np.full(450, 60.0)))
     window = settled_window(share_ms, 1400)
     rising = share_ms[window.start - 100]
     assert 60.0 - rising < 0.05 * rising
     assert 60.0 - share_ms[window.start - 101] >= 0.05 * share_ms[window.start - 101]
     assert window.stop - window.start == 400
     assert settled_window(np.geomspace(1.0, 1e6, 1400), 1400) == slice(1000, 1400)
-    assert settled_window(np.full(1400, np.nan), 1400) == slice(300, 700)
+    assert settled_window(np.full(1400, 30.0), 1400) == slice(900, 1300)
+    assert settled_window(np.full(800, np.nan), 800) == slice(400, 800)
     assert settled_window(np.full(500, 30.0), 500) == slice(250, 500)
 
 
