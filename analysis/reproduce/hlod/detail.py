@@ -49,7 +49,7 @@ def _claim(numbers: Runs, path: str, printed: tuple[float, float], *, reduced: b
         f"share of hlod0 among nodes drawn, {path}",
         f"{printed[0]:.0f} to {printed[1]:.0f} %",
         f"{low:.0f} to {high:.0f} % (unused slices shared: {other[0]:.0f} to {other[1]:.0f} %)",
-        "5 points either side, every frame",
+        "5 points either side, every frame" + ("; calibrated" if path == "orbit" else ""),
         verdict_of(holds, f"frames range over {low:.0f} to {high:.0f} %", direction=overlaps),
     )
 
