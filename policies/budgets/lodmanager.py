@@ -12,7 +12,6 @@ from ...base.errors import InputError
 from ...base.nearest_names import unknown_name
 from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
-from ..frame_times import Completed
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
@@ -166,7 +165,7 @@ class LodManager:
 
     def select(self, view: View) -> Selection:
         """Borrow or extract where the level shown is not similar to the one wanted."""
-        self._steer(view.completed)
+        self._steer(view)
         seen = view if self.active is None else view.at(self._looked_at(view))
         same = self._kept.of(seen)
         lod = self._wanted_lod(seen, same)
@@ -203,8 +202,9 @@ class LodManager:
         new = view.ids[self._levels.source.take(view.ids) < 0]
         return np.unique(np.concatenate((self._list, some, new)))
 
-    def _steer(self, completed: Completed) -> None:
-        ratio = self._reports.newest_ms(completed.work_ms, self._target_ms) / self._target_ms
+    def _steer(self, view: View) -> None:
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, self._target_ms)
+        ratio = time_ms / self._target_ms
         if math.isnan(ratio) or abs(ratio - 1.0) <= self.dead_band:
             return
         step = self.gain if ratio > 1.0 else 1.0 / self.gain

@@ -115,7 +115,7 @@ class Hoppe:
         if self.triangles is not None:
             gain = 1.0 if self.gain is None else self.gain
             return len(self._used_px) - 1, self._drawn / self.triangles, gain
-        frames, times_ms = self._reports.new(view.completed.work_ms, self._target_ms)
+        frames, times_ms = self._reports.new(view, view.completed.work_ms, self._target_ms)
         delay = view.frame - len(view.completed)
         gain = 0.5 * critical_gain(delay) if self.gain is None else self.gain
         if not len(frames):

@@ -19,6 +19,7 @@ from .promise import Failure, promise
 from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
+_CHANGES_UNTIL_STUCK = 2  # as `policies.shared.reports` has it
 _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 
 
@@ -26,7 +27,12 @@ _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 def faulty_timings_never_raise_detail(
     factory: Factory, example: Example, _rest: int
 ) -> Failure | None:
-    """Missing, zero and stale reports lead to no more detail than no reports would."""
+    """Missing and zero reports lead to no more detail than no reports would.
+
+    A stale one may be honest until what is drawn has changed under it twice: what rises after that
+    has been seen, by frames that were in flight then, is one rise too many.
+    """
+    rises = _CHANGES_UNTIL_STUCK + example.hardware.frames_in_flight
     for good in (0, 4):  # the first reports already fail, or some good ones come before
         primitives: dict[str, FloatArray] = {}
         for name, fault in FAULTS.items():
@@ -38,6 +44,10 @@ def faulty_timings_never_raise_detail(
             share = np.array([frame.selection.render_scale for frame in played.frames]) ** 2
             primitives[name] = share * (played.log["triangles"] + played.log["splats"])
             worse = primitives[name] > primitives["silent"] * (1.0 + _ROUNDING)
+            if name == "stale":
+                most = np.maximum.accumulate(primitives[name])
+                worse[1:] &= most[1:] > most[:-1] * (1.0 + _ROUNDING)
+                worse &= np.cumsum(worse) > rises
             if worse.any():
                 at = int(worse.argmax())
                 return Failure(

@@ -17,8 +17,8 @@ def test_every_bundled_profile_loads_under_its_own_name():
     """The name of the file is the name inside it."""
     names = list_hardware()
     assumed = ("athlon64-6800ultra-assumed", "desktop-assumed")
-    crowd = ("quadro5000-2011", "quadro5000-instanced-assumed")
-    assert names == (*assumed, "geforce2go-2002", "llvmpipe", *crowd)
+    others = ("quadro5000-2011", "quadro5000-instanced-assumed", "thesis-m30-assumed")
+    assert names == (*assumed, "geforce2go-2002", "llvmpipe", *others)
     assert [load_hardware(name).name for name in names] == list(names)
 
 
@@ -56,18 +56,22 @@ def test_zach_2002_has_exactly_the_constants_printed():
 def test_the_assumed_profile_says_so_and_others_do_not():
     """Only profiles with assumed costs carry the mark; names say so where all costs are."""
     marked = [name for name in list_hardware() if load_hardware(name).provenance.assumed]
-    all_assumed = ["athlon64-6800ultra-assumed", "desktop-assumed", "quadro5000-instanced-assumed"]
+    all_assumed = [
+        *("athlon64-6800ultra-assumed", "desktop-assumed"),
+        *("quadro5000-instanced-assumed", "thesis-m30-assumed"),
+    ]
     assert sorted(set(marked) - {"geforce2go-2002"}) == all_assumed
     assert "geforce2go-2002" in marked  # what selection takes on its processor
     assert [name for name in list_hardware() if name.endswith("-assumed")] == all_assumed
 
 
 def test_every_number_of_an_assumed_profile_has_its_source_on_the_line():
-    """A coefficient in an assumed profile is marked assumed, or names who measured it."""
+    """A coefficient in an assumed profile is marked assumed, or says who measured or printed it."""
     changes = len(CHANGE_PREDICTORS)
     for name, count in (
         ("desktop-assumed", 2 + 8 + len(CPU_PREDICTORS) - changes),
         ("athlon64-6800ultra-assumed", 2 + 2 + 3),
+        ("thesis-m30-assumed", 2 + 3 + 2),
     ):
         _assert_sourced((PROFILES / f"{name}.toml").read_text(encoding="utf-8"), count)
 
@@ -76,7 +80,7 @@ def _assert_sourced(text: str, count: int) -> None:
     amounts = [line for line in text.splitlines() if "unit =" in line]
     assert len(amounts) == count
     for line in amounts:
-        assert "assumed" in line or "CesiumJS" in line or "Peng" in line, line
+        assert any(word in line for word in ("assumed", "printed", "CesiumJS", "Peng")), line
 
 
 def test_the_assumed_desktop_is_overloaded_by_a_full_crowd():
