@@ -10,7 +10,6 @@ A message says what was expected, what was found, where, and what to do.
 """
 
 import os
-import re
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from numbers import Real
@@ -18,6 +17,22 @@ from pathlib import Path
 from typing import SupportsIndex, TypeVar
 
 Kind = TypeVar("Kind")
+
+
+LONGEST = 300
+"""Characters of a message; of a longer one the middle is left out, not what to do."""
+
+_END = 180
+
+
+def printable(text: str) -> str:
+    """Return a text in which what moves a terminal's cursor or hides text has become ``?``."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+def _in_one_line(message: str) -> str:
+    line = printable(" ".join(message.split()))  # libraries explain in several lines
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - _END - 3]} … {line[-_END:]}"
 
 
 class LodbenchError(Exception):
@@ -34,13 +49,13 @@ class InputError(LodbenchError):
         path: str | Path | None = None,
         line: int | None = None,
     ) -> None:
-        self.message = re.sub(r"\s*\n\s*", " ", message)  # libraries explain in several lines
+        self.message = _in_one_line(message)
         self.path = None if path is None else str(path)
         self.line = line
         super().__init__(self.message)  # pickles: path and line travel with the attributes
 
     def __str__(self) -> str:
-        where = "" if self.path is None else f"{self.path}:"
+        where = "" if self.path is None else f"{printable(self.path)}:"
         where += "" if self.line is None else f"{self.line}:"
         return f"{where} {self.message}".strip()
 

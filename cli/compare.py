@@ -103,6 +103,8 @@ def compare(
     display: Display = None,
     refresh_hz: RefreshHz = None,
     frames_in_flight: FramesInFlight = None,
+    pacing: options.Pacing = None,
+    latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = 60.0,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
@@ -137,7 +139,9 @@ def compare(
     limits = make_limits(policy_timeout, policy_memory)
     with claimed_target(out) as target:
         prepare_engine(scheduler)
-        profile = adjust_machine(load_hardware(hardware), display, refresh_hz, frames_in_flight)
+        profile = adjust_machine(
+            load_hardware(hardware), display, refresh_hz, frames_in_flight, pacing, latency_limit
+        )
         world = open_named_scene(scene).scene
         policies = [parse_policy(text) for text in policy or compared_policies()]
         walked = load_paths(

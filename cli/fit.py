@@ -9,10 +9,12 @@ from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
 from .shared import options
+from .shared.columns import Mapping, parse_columns
 from .shared.progress import progress_bar
 from .shared.terminal import table_console
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
+    from ..analysis.fit.fit import Source
     from ..traces.logs.render_log import TimeName
 
 Logs = Annotated[
@@ -37,7 +39,6 @@ Terms = Annotated[
         "shaded_samples).  auto, the default: the set that predicts held-out frames best."
     ),
 ]
-Mapping = Annotated[str, Option("--map", help="Columns by name: gpu_ms=GPUTime,triangles=Prims.")]
 LogFormat = Annotated[
     str | None, Option("--format", help="Format of the logs; else their content decides.")
 ]
@@ -58,6 +59,13 @@ FitWorkers = Annotated[
 Predict = Annotated[
     list[str] | None,
     Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
+]
+Lag = Annotated[
+    str, Option(metavar="auto|K", help="Frames that the target is late by; auto looks for it.")
+]
+Join = Annotated[
+    str | None,
+    Option(metavar="COUNTERS", help="A log with the counts of the same run, joined by time."),
 ]
 FirstFrames = Annotated[
     int | None,
@@ -89,6 +97,8 @@ def fit(
     target: Target = None,
     terms: Terms = None,
     mapping: Mapping = "",
+    join: Join = None,
+    lag: Lag = "auto",
     log_format: LogFormat = None,
     model: NoiseModel = "student-t",
     walkers: Walkers = 32,
@@ -121,9 +131,10 @@ def fit(
 
     paths, terms, target = _choose_logs(logs or [], bundled, terms, target)
     noise = _one_of("--model", model, ("student-t", "gaussian"))
-    settings = FitOptions(terms, noise, heldout, first_frames, SamplerOptions(walkers, steps, seed))
-    columns = _parse_columns(mapping) or None
-    sources = [Source.read(path, columns, log_format) for path in paths]
+    sampler = SamplerOptions(walkers, steps, seed)
+    settings = FitOptions(terms, noise, heldout, first_frames, sampler, _frames(lag))
+    columns = parse_columns(mapping) or None
+    sources = _read_sources(paths, columns, log_format, join)
     if target is None:
         target = target_of(sources[0].log)
     time: TimeName = _one_of("--target", target, ("gpu_ms", "frame_ms", "cpu_ms"))
@@ -185,13 +196,33 @@ def _one_of(option: str, value: str, known: tuple[Any, ...]) -> Any:
     return value
 
 
-def _parse_columns(text: str) -> dict[str, str]:
-    """Return the columns that ``name=COLUMN,name=COLUMN`` maps."""
-    pairs = [item.partition("=") for item in filter(None, text.split(","))]
-    for name, equals, column in pairs:
-        if not (name.strip() and equals and column.strip()):
-            raise InputError(f"--map: expected name=COLUMN,name=COLUMN, got {text}")
-    return {name.strip(): column.strip() for name, _, column in pairs}
+def _frames(lag: str) -> int | None:
+    if lag == "auto":
+        return None
+    if not lag.isdecimal():
+        raise InputError(f"--lag: expected auto or a number of frames, got {lag}")
+    return int(lag)
+
+
+def _read_sources(
+    paths: list[Path], columns: dict[str, str] | None, log_format: str | None, join: str | None
+) -> "list[Source]":
+    """Read the logs; with `join`, the first one's times and the other's counts.
+
+    Mapped columns may be of either of the two: each is looked for where it stands.
+    """
+    from ..analysis.fit.fit import Source
+    from ..analysis.fit.log_files import log_path
+    from ..traces.logs.join_logs import join_by_time
+
+    if join is None:
+        return [Source.read(path, columns, log_format) for path in paths]
+    if len(paths) != 1:
+        raise InputError(f"--join: expected one LOG to join to, got {len(paths)}; fit them apart")
+    times = Source.read(paths[0], None, log_format)
+    counts = Source.read(log_path(join), columns)
+    digest = f"{times.sha256}+{counts.sha256}"
+    return [Source(join_by_time(times.log, counts.log), digest)]
 
 
 def _check_outputs(

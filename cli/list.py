@@ -143,6 +143,7 @@ def _hardware() -> Iterator[Item]:
             "assumed": profile.provenance.assumed,
             "display": f"{display.mode} {display.width_px}x{display.height_px}",
             "frames_in_flight": profile.frames_in_flight,
+            "pacing": display.pacing,
             "renderer": profile.provenance.renderer,
             "date": profile.provenance.date,
             "source": profile.provenance.source,

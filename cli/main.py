@@ -29,6 +29,7 @@ COMMANDS = {
     "export": "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for "
     "Perfetto).",
     "fit": "Fit a cost model to measured render logs: a hardware profile.",
+    "log": "Look at captures of frame times, and compare them.",
     "record": "Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and "
     "take.",
     "stress": "Search camera paths within speed and turn limits for one on which a policy does "

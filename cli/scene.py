@@ -1,6 +1,7 @@
 """`lodbench scene`: build scenes from meshes, and look at them."""
 
-from dataclasses import asdict
+import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,7 @@ from .shared.terminal import open_named_scene
 
 if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ..models.continuous.knots import KnotOptions
+    from ..models.meshes.authored_levels import MeshGroup
     from ..models.meshes.mesh_types import MeshUnits
     from ..models.meshes.simplify import ChainOptions
     from ..models.meshes.type_model import TypeModel
@@ -27,6 +29,16 @@ app = Typer(
 )
 app.command("build-hlod")(build_hlod)
 
+_WIDE_M, _FLAT = 50.0, 20.0
+
+Placements = Annotated[
+    Path | None,
+    Option(
+        metavar="FILE",
+        help="CSV or JSON with the type, place, turn, scale and importance of every object, in the "
+        "meshes' axes and unit; instead of a layout.",
+    ),
+]
 Ratio = Annotated[float, Option(help="Triangles of a level over the finer one's.")]
 MinTriangles = Annotated[int, Option(help="No level aims lower.")]
 Continuous = Annotated[bool, Option(help="Continuous types: knots of an ordered mesh, not levels.")]
@@ -75,27 +87,43 @@ def build(
     up: options.Up = "y",
     height_m: options.HeightM = 2.0,
     unit_m: options.UnitM = None,
+    placements: Placements = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Make levels of detail of meshes, place objects, and write one scene file."""
+    """Make levels of detail of meshes, place objects, and write one scene file.
+
+    Files called as levels, such as rock_LOD0.obj and rock_LOD1.obj, are one type with these levels.
+    """
     import numpy as np
 
     from ..models.continuous.knots import KnotOptions
-    from ..models.layouts.scene_builder import PlacementOptions, build_scene
+    from ..models.layouts.placements_file import read_placements
+    from ..models.layouts.scene_builder import PlacementOptions, build_scene, scene_of_placements
+    from ..models.meshes.authored_levels import group_levels
     from ..models.meshes.mesh_types import MeshUnits
     from ..models.meshes.simplify import ChainOptions
 
     check_scene_options(out, seed)
     units = MeshUnits(up=up, height_m=height_m, unit_m=unit_m)
+    if placements is not None:  # meshes stay as the engine has them
+        units = replace(units, unit_m=unit_m or 1.0, keep_origin=True)
+    groups = group_levels(meshes)
     detail: ChainOptions | KnotOptions = ChainOptions(levels, ratio, min_triangles)
     if continuous:
         detail = KnotOptions(knots, min_triangles, keep_texture)
     placement = PlacementOptions(
         layout, count, spacing_m, side_m, scale_variation, random_yaw=random_yaw
     )
-    models = _read_types(meshes, units, detail)
-    scene, geometry = build_scene(out.stem, models, placement, np.random.default_rng(seed))
+    models = _read_types(groups, units, detail)
+    _warn_of_sizes(models, units)
     settings = {"seed": seed, **asdict(units), **asdict(detail), **asdict(placement)}
+    if placements is None:
+        scene, geometry = build_scene(out.stem, models, placement, np.random.default_rng(seed))
+    else:
+        names = [group.name for group in groups]
+        where = read_placements(placements, names, y_up=up == "y", unit_m=unit_m or 1.0)
+        scene, geometry = scene_of_placements(out.stem, models, where)
+        settings |= {"layout": f"placements of {placements.name}", "count": len(scene)}
     write_built(out, scene, geometry, meshes, settings, as_json=as_json)
 
 
@@ -120,8 +148,22 @@ def info(
     show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
 
 
+def _warn_of_sizes(models: "list[TypeModel]", units: "MeshUnits") -> None:
+    """Tell of meshes that a given height made far wider than high, such as a plate."""
+    if units.unit_m is not None:
+        return
+    for model in models:
+        width_m = 2.0 * model.radius_m
+        if width_m > _WIDE_M and width_m > _FLAT * units.height_m:
+            print(
+                f"warning: {model.name}: {width_m:,.0f} m wide at {units.height_m:g} m height; is "
+                "another axis up, or does --unit-m say more?",
+                file=sys.stderr,
+            )
+
+
 def _read_types(
-    meshes: list[Path], units: "MeshUnits", detail: "ChainOptions | KnotOptions"
+    meshes: "list[MeshGroup]", units: "MeshUnits", detail: "ChainOptions | KnotOptions"
 ) -> "list[TypeModel]":
     from ..models.meshes.mesh_error import Sampling
     from ..models.meshes.mesh_types import read_types

@@ -23,9 +23,7 @@ class Completed:
 
     def __init__(self, times: FloatArray, count: int) -> None:
         """Wrap the first `count` rows of (n, 4) times: cpu, gpu, work, present."""
-        self._times = times[:count]
-        self._times.flags.writeable = False
-        self._count = count
+        self._times, self._count = times, count
 
     def __len__(self) -> int:
         """Return the number of completed frames."""
@@ -39,23 +37,28 @@ class Completed:
     @property
     def cpu_ms(self) -> FloatArray:
         """Work times of the CPU, (n,)."""
-        return self._times[:, 0]
+        return self._column(0)
 
     @property
     def gpu_ms(self) -> FloatArray:
         """Work times of the GPU, (n,)."""
-        return self._times[:, 1]
+        return self._column(1)
 
     @property
     def work_ms(self) -> FloatArray:
         """The larger of the two, (n,)."""
-        return self._times[:, 2]
+        return self._column(2)
 
     @property
     def present_ms(self) -> FloatArray:
         """Intervals between displayed frames, (n,)."""
-        return self._times[:, 3]
+        return self._column(3)
 
     def last_work_ms(self) -> float:
         """Return the newest work time, or NaN before any frame has completed."""
         return float(self.work_ms[-1]) if self._count else math.nan
+
+    def _column(self, at: int) -> FloatArray:
+        column = self._times[: self._count, at]
+        column.setflags(write=False)
+        return column

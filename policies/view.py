@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.arrays import BoolArray, FloatArray, IntArray
 from ..models.scene.camera import Camera, area_of_spheres, eccentricity_deg
 from ..models.scene.motion import Placed
-from ..models.scene.nodes import Nodes, per_node
+from ..models.scene.nodes import Lens, Nodes, per_node
 from ..models.scene.scene import Scene
 from .frame_times import Completed
 from .selection import Selection
@@ -42,6 +43,8 @@ class FrameState:
         Nodes whose data are in memory; None where nothing is streamed.
     previous_centers : Placed or None
         Centres in the last frame; None where no node moves.
+    last_placed : (Nodes, (3, m) float64) or None
+        Candidates of the last frame, and where they were in its camera's frame.
     """
 
     scene: Scene
@@ -57,6 +60,7 @@ class FrameState:
     step_s: float = 0.0
     residency: BoolArray | None = None
     previous_centers: Placed | None = None
+    last_placed: tuple[Nodes, FloatArray] | None = None
 
     @property
     def centers_m(self) -> FloatArray:
@@ -115,48 +119,48 @@ class View:
         """Radius of each bounding sphere, (m,)."""
         return self.nodes.radius_m
 
+    @property
+    def lens(self) -> Lens:
+        """What the nodes are in the camera's lens."""
+        camera = self.camera
+        return self.nodes.in_lens(camera.focal_px, camera.near_m)
+
     @per_node
     def distance_m(self) -> FloatArray:
         """Distance from the eye to each bounding sphere's centre, (m,)."""
-        return np.sqrt(self._square_m2)
-
-    @per_node
-    def _square_m2(self) -> FloatArray:
-        """Return the square of each distance, (m,)."""
-        x, y, z = self._squares_m2
-        square = x + y
-        square += z
-        return square
+        return np.sqrt(self._squares_m2[3])
 
     @per_node
     def _squares_m2(self) -> FloatArray:
-        """Return the squares of coordinates, (3, m)."""
-        return self.xyz_m * self.xyz_m
+        """Return the squares of coordinates, and last of distances, (4, m)."""
+        xyz_m = self.xyz_m
+        squares = np.empty((4, xyz_m.shape[1]))
+        np.multiply(xyz_m, xyz_m, out=squares[:3])
+        np.add.reduce(squares[:3], axis=0, out=squares[3])
+        return squares
 
     @per_node
     def nearest_m(self) -> FloatArray:
         """Distance to each bounding sphere's surface, never below the near plane, (m,)."""
-        camera = self.camera
-        gap = self.distance_m - self.nodes.in_lens(camera.focal_px, camera.near_m).radius_m
-        return np.maximum(gap, camera.near_m, out=gap)
+        gap = self.distance_m - self.lens.radius_m
+        return np.maximum(gap, self.camera.near_m, out=gap)
 
-    @per_node
-    def px_per_m(self) -> FloatArray:
-        """Pixels of one metre before scale, at the nearest point of each sphere, (m,)."""
-        lens = self.nodes.in_lens(self.camera.focal_px, self.camera.near_m)
-        return lens.scale_px / self.nearest_m
+    def px_per_m_at(self, at: NDArray[np.intp]) -> FloatArray:
+        """Return pixels of one metre before scale at the nearest points of some spheres, (c,)."""
+        lens = self.lens
+        gap = self.distance_m.take(at)
+        gap -= lens.radius_m.take(at)
+        np.maximum(gap, self.camera.near_m, out=gap)
+        return np.divide(lens.scale_px.take(at), gap, out=gap)
 
     @per_node
     def area_px(self) -> FloatArray:
         """Projected area of each bounding sphere, at most the viewport's, (m,)."""
-        camera, nodes = self.camera, self.nodes
-        lens = nodes.in_lens(camera.focal_px, camera.near_m)
+        lens = self.lens
+        gaps_m2 = self._squares_m2[2:] - lens.square_m2  # of depths and of distances
+        near = self.xyz_m[2] <= lens.reach_m
         return area_of_spheres(
-            self._squares_m2[2] - lens.square_m2,
-            self._square_m2 - lens.square_m2,
-            lens.disc,
-            self.xyz_m[2] <= lens.reach_m,
-            float(camera.viewport_px),
+            gaps_m2[0], gaps_m2[1], lens.disc, near, float(self.camera.viewport_px)
         )
 
     @per_node
@@ -199,8 +203,12 @@ class View:
         before, step_s = self.state.previous_camera, self.state.step_s
         if before is None or step_s <= 0.0:
             return np.zeros(len(self.ids))
-        centers = self.state.previous_centers or self.state.centers
-        old = before.to_camera(centers.all_m.take(self.nodes.at, axis=1))
+        last = self.state.last_placed
+        if last is not None and last[0] is self.nodes:
+            old = last[1]
+        else:
+            centers = self.state.previous_centers or self.state.centers
+            old = before.to_camera(centers.all_m.take(self.nodes.at, axis=1))
         angle = _angle(old.take(_ROUND, axis=0), self.xyz_m.take(_ROUND, axis=0))
         angle *= math.degrees(1.0) / step_s
         return angle

@@ -22,7 +22,8 @@ from .accounting.extraction import Extraction, IndexSets
 from .accounting.first_uses import FirstUses
 from .accounting.fronts import Fronts
 from .accounting.holes import Holes, only, with_missing
-from .accounting.picture_quality import FlatQuality, ScreenErrors, TreeQuality
+from .accounting.picture_quality import FlatQuality, TreeQuality
+from .accounting.screen_errors import ScreenErrors
 from .accounting.switches import Drawn
 from .frame_log import CountRows
 from .loader import Memory

@@ -79,6 +79,7 @@ class PolicyFrames:
         self._previous: Selection | None = None
         self._previous_camera: Camera | None = None
         self._previous_centers: Placed | None = None
+        self._last_placed: tuple[Nodes, FloatArray] | None = None
         self._previous_s = 0.0
         self._pace_ns = 0
         try:
@@ -139,10 +140,12 @@ class PolicyFrames:
             time_s - self._previous_s,
             self._memory.resident,
             self._previous_centers,
+            self._last_placed,
         )
         if ids is not self._nodes.ids:
-            self._nodes = Nodes(self._scene, ids)
+            self._nodes = Nodes(self._scene, ids, self._culler.at)
         view = View(state, ids, xyz_m, self._nodes)
+        self._last_placed = self._nodes, xyz_m
         if self._tree is None:
             return view
         roots = self._scene.roots

@@ -84,9 +84,12 @@ class Vsync(Refreshing):
 
     def _schedule(self, time_ns: int) -> None:
         # Vblank n is at round(n · period): half a nanosecond off at most, and never accumulating.
-        tick = max(self._tick + 1, int(time_ns * self._refresh_hz / _NS_PER_S))
-        while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
-            tick += 1
+        tick = self._tick + 1
+        at_ns = round(tick * _NS_PER_S / self._refresh_hz)
+        if at_ns < time_ns:  # vblanks have passed with nothing to show
+            tick = int(time_ns * self._refresh_hz / _NS_PER_S)
+            while (at_ns := round(tick * _NS_PER_S / self._refresh_hz)) < time_ns:
+                tick += 1
         self._tick = tick
         self._events.schedule(at_ns, _PRIORITY, self._refresh, tick)
 
@@ -109,21 +112,43 @@ class Vrr(Refreshing):
 
     A refresh takes the shortest period.  When no frame comes within the longest period the panel
     shows the old one again, and a frame that is finished meanwhile waits for that refresh to end.
+    Where the range spans a factor of two, low-framerate compensation keeps out of its way: the next
+    frame is expected as long after the last as that was finished after the one before, and if no
+    single period is so long the old one is repeated evenly until then, as seldom as may be.
     """
 
     def __init__(self, events: EventQueue, display: Display, shown: Shown, freed: Freed) -> None:
         super().__init__(events, shown, freed)
         self._shortest_ns = round(_NS_PER_S / display.refresh_hz)
         self._longest_ns = max(round(_NS_PER_S / display.vrr_min_hz), self._shortest_ns)
-        self._last_ns = -self._shortest_ns
+        # Half of what exceeds the longest period has to be a period of the range.
+        self._compensates = self._longest_ns >= 2 * self._shortest_ns
+        self._last_ns = -self._shortest_ns  # begin of the last refresh
+        self._offered_ns = self._next_ns = -1  # when the last came, when the next is expected
+        self._even_ns, self._even = self._longest_ns, 0  # repeats that are planned
+
+    def offer(self, time_ns: int, frame: int) -> None:
+        """Take a finished frame, and expect the next one after as long a time."""
+        if self._offered_ns >= 0:
+            self._next_ns = 2 * time_ns - self._offered_ns
+        self._offered_ns = time_ns
+        super().offer(time_ns, frame)
 
     def _schedule(self, time_ns: int) -> None:
+        planned = min(self._even, max(0, (time_ns - self._last_ns - 1) // self._even_ns))
+        self._even -= planned
+        self._last_ns += planned * self._even_ns
         repeats = max(0, (time_ns - self._last_ns - 1) // self._longest_ns)
         self._last_ns += repeats * self._longest_ns
         at_ns = max(time_ns, self._last_ns + self._shortest_ns)
         self._events.schedule(at_ns, _PRIORITY, self._refresh, 0)
 
     def _refresh(self, time_ns: int, _subject: int) -> None:
+        span_ns = self._next_ns - time_ns
+        self._even = 0
+        if self._compensates and span_ns > self._longest_ns:
+            refreshes = -(-span_ns // self._longest_ns)
+            self._even_ns, self._even = span_ns // refreshes, refreshes - 1
         self._last_ns = time_ns
         super()._refresh(time_ns, _subject)
 

@@ -85,8 +85,11 @@ def _are_levels(detail: FloatArray, changed: NDArray[np.intp], view: View) -> bo
 
     What a node was last drawn at was a level of its type then, and so is one now.
     """
+    if not len(changed):
+        return True
     level = detail.take(changed)
     nearest = np.trunc(level)
     np.fmax(nearest, 0.0, out=nearest)  # `maximum` would hand NaN through, which is no level
-    np.minimum(nearest, view.nodes.coarsest_level.take(changed), out=nearest)
+    nodes = view.nodes.at.take(changed)
+    np.minimum(nearest, view.scene.coarsest_level.take(nodes), out=nearest)
     return nearest.tobytes() == level.tobytes()

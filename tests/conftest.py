@@ -172,7 +172,9 @@ def build_hardware(
         CostModel.of(base_ms, {"triangles": 1e-3} if linear is None else linear, roofline),
         CpuCostModel.of(cpu_base_ms, cpu or {}),
         residual or Residual(),
-        display=replace(Display("immediate", width_px=100, height_px=100), **display),
+        display=replace(
+            Display("immediate", latency_limit=0, width_px=100, height_px=100), **display
+        ),
         frames_in_flight=frames_in_flight,
     )
 

@@ -27,6 +27,8 @@ TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 FENCE = re.compile(r"^```(\w+)(?: (\w+)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 OTHER_TOOLS = {"cd", "dask", "git", "make", "pip", "python"}
 ON_A_CLUSTER = ROOT / "docs" / "clusters.md"
+STUDIO = ROOT / "docs" / "studio.md"
+"""Its files are a studio's; ``tests/docs/test_studio_page.py`` makes such ones, and runs it."""
 README = ROOT / "README.md"
 """It is run by ``tests/docs/test_readme.py``, with what it shows and claims."""
 
@@ -88,7 +90,7 @@ def run_installed(line: str) -> tuple[int, str]:
 RUNNING = [
     page
     for page in PAGES
-    if page not in {ON_A_CLUSTER, README}
+    if page not in {ON_A_CLUSTER, STUDIO, README}
     and any(line.startswith("lodbench ") for line in commands(page))
 ]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
@@ -97,6 +99,7 @@ LONG = {
     "fitting.md",
     "hardware.md",
     "lod-models.md",
+    "logs.md",
     "recording.md",
     "reproducing.md",
     "scenes.md",

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.html_table import html_table
+from ...traces.logs.checks.late import frames_late, shifted
 from ...traces.logs.log_checks import Finding, check_log
 from ...traces.logs.log_format import Columns
 from ...traces.logs.read_log import read_render_log
@@ -45,6 +46,7 @@ class FitOptions:
     model : "student-t", or "gaussian" with a constant scale
     heldout : one of `heldout.SPLITS`, "auto" or "none"
     first_frames : frames at the start of each log that are left out, as `sample.gather` has it
+    lag : frames that the target is late by, or None to find it out
     """
 
     terms: str = AUTO
@@ -52,6 +54,7 @@ class FitOptions:
     heldout: str = AUTO
     first_frames: int | None = None
     sampler: SamplerOptions = field(default_factory=SamplerOptions)
+    lag: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +88,8 @@ class Fit:
         Error on frames that were held out, if any were.
     transfer : tuple of HeldOut
         Errors on other logs.
+    lags : tuple of int
+        Frames by which the target is late in each log; they are shifted back.
     """
 
     sources: tuple[Source, ...]
@@ -100,6 +105,7 @@ class Fit:
     checks: tuple[Check, ...]
     heldout: HeldOut | None
     transfer: tuple[HeldOut, ...]
+    lags: tuple[int, ...]
 
     @property
     def coefficients(self) -> FloatArray:
@@ -153,11 +159,16 @@ def fit_logs(
     workers, scheduler
         See `hold_out`.
     """
-    logs = [source.log for source in sources]
     if options.heldout not in (*SPLITS, AUTO, NO_SPLIT):
         known = ", ".join((*SPLITS, AUTO, NO_SPLIT))
         raise InputError(f"--heldout: expected one of {known}, got {options.heldout}")
-    findings = _accepted(logs, target)
+    findings = _accepted([source.log for source in sources], target)
+    lags = tuple(_lag(source.log, target, options) for source in sources)
+    sources = [
+        replace(source, log=shifted(source.log, target, lag))
+        for source, lag in zip(sources, lags, strict=True)
+    ]
+    logs = [source.log for source in sources]
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
     kept = None if resume is None else (resume, _identity(sample, terms, options))
     model, sampler = options.model, options.sampler
@@ -182,6 +193,7 @@ def fit_logs(
         check_predictive(sampled.draws, sampled.design, sample.time_ms, rng),
         held,
         tuple(_transfer(sampled, log, target, options) for log in transfer),
+        lags,
     )
 
 
@@ -200,6 +212,14 @@ def target_of(log: RenderLog) -> TimeName:
         or f"got a log with {', '.join(log.times)}; name it with --target"
     )
     raise InputError(f"{log.name}: expected a gpu_ms or frame_ms that carries cost; {why}")
+
+
+def _lag(log: RenderLog, target: TimeName, options: FitOptions) -> int:
+    if options.lag is None:
+        return frames_late(log, target)[0]
+    if not 0 <= options.lag < len(log):
+        raise InputError(f"--lag: expected 0 to {len(log) - 1} frames, got {options.lag}")
+    return options.lag
 
 
 def _accepted(logs: Sequence[RenderLog], target: TimeName) -> tuple[Finding, ...]:
@@ -239,5 +259,6 @@ def _identity(sample: Sample, terms: Sequence[Term], options: FitOptions) -> str
 
 
 def _transfer(sampled: Estimate, log: RenderLog, target: TimeName, options: FitOptions) -> HeldOut:
+    log = shifted(log, target, _lag(log, target, options))
     sample, _ = gather([log], predictors_of(sampled.terms), target, options.first_frames)
     return judge(sampled, sample, log.name)

@@ -29,6 +29,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
         "likelihood": estimate.likelihood_is,
         "rows_worth": estimate.posterior.worth * len(estimate.sample),
+        "lag_frames": list(fit.lags),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {
             name: _interval(samples)
@@ -67,6 +68,7 @@ def _source(fit: Fit, source: Source, place: int) -> dict[str, Any]:
         "sha256": source.sha256,
         "rows": int(np.sum(fit.estimate.sample.series == place)),
         "notes": list(source.log.notes),
+        "warnings": list(source.log.warnings),
         "header": dict(source.log.header),
     }
 

@@ -32,6 +32,8 @@ def _log_lines(record: dict[str, Any]) -> Iterator[str]:
     for log in record["logs"]:
         notes = "; ".join(log["notes"])
         yield f"{log['name']}: {log['format']}, {log['rows']} frames used; {notes}"
+        for warning in log["warnings"]:
+            yield f"beware: {warning}"
     reasons = "; ".join(f"{count} {why}" for why, count in record["rejected"].items())
     yield f"left out: {record['rows_rejected']} frames{f' ({reasons})' if reasons else ''}"
     if record["rows_worth"] < record["rows"]:

@@ -58,6 +58,7 @@ def fit(
     heldout: str = "auto",
     predict: LogLike | Sequence[LogLike] = (),
     first_frames: int | None = None,
+    lag: int | None = None,
     walkers: int = 32,
     max_steps: int = 20_000,
     seed: int = 0,
@@ -75,6 +76,8 @@ def fit(
         Predictors such as ``draw_calls,triangles``, or ``auto`` for the best set.
     predict
         Other logs, to be predicted from the fit.
+    lag
+        Frames by which the time is late in the logs; None to find it out.
     resume
         File that keeps the chain, so that an interrupted run goes on.
     workers, scheduler
@@ -90,7 +93,9 @@ def fit(
     return fit_logs(
         sources,
         target or target_of(sources[0].log),
-        FitOptions(terms, model, heldout, first_frames, SamplerOptions(walkers, max_steps, seed)),
+        FitOptions(
+            terms, model, heldout, first_frames, SamplerOptions(walkers, max_steps, seed), lag
+        ),
         transfer=[read_log(log) for log in _several(predict)],
         resume=None if resume is None else Path(resume),
         workers=workers,

@@ -60,6 +60,8 @@ class Conditions:
     display: str
     refresh_hz: float
     frames_in_flight: int
+    pacing: str
+    latency_limit: int
     budget_ms: float
     seed: int
     seeds: int
@@ -153,6 +155,8 @@ def conditions_of(
         display=hardware.display.mode,
         refresh_hz=hardware.display.refresh_hz,
         frames_in_flight=hardware.frames_in_flight,
+        pacing=hardware.display.pacing,
+        latency_limit=hardware.display.latency_limit,
         budget_ms=options.budget_ms,
         seed=options.seed,
         seeds=seeds,

@@ -72,6 +72,8 @@ def _conditions(comparison: Comparison) -> Conditions:
         display=had.display,
         refresh_hz=had.refresh_hz,
         frames_in_flight=had.frames_in_flight,
+        pacing=had.pacing,
+        latency_limit=had.latency_limit,
         budget_ms=comparison.budget_ms,
         seed=comparison.seed,
         seeds=comparison.sampling.seeds,

@@ -130,12 +130,19 @@ def adjust_machine(
     display: str | None,
     refresh_hz: float | None,
     frames_in_flight: int | None,
+    pacing: str | None = None,
+    latency_limit: int | None = None,
 ) -> HardwareProfile:
     """Return a profile with what is wanted otherwise; None leaves it as it is.
 
     Raises `InputError` if the display or the pipeline cannot be so.
     """
-    wanted: dict[str, Any] = {"mode": display, "refresh_hz": refresh_hz}
+    wanted: dict[str, Any] = {
+        "mode": display,
+        "refresh_hz": refresh_hz,
+        "pacing": pacing,
+        "latency_limit": latency_limit,
+    }
     changes = {key: value for key, value in wanted.items() if value is not None}
     if refresh_hz is not None and refresh_hz > 0.0:  # a slower display's range goes with it
         changes["vrr_min_hz"] = min(profile.display.vrr_min_hz, refresh_hz)

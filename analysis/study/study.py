@@ -70,8 +70,9 @@ class Study:
         number of them, evenly spaced (the mean where a profile has none, or the number is 0).
     fovy_deg, crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
         As `ReplayOptions` has them.
-    display, refresh_hz, frames_in_flight
-        Mode and rate of the display, frames between CPU and GPU; None for the profile's.
+    display, refresh_hz, frames_in_flight, pacing, latency_limit
+        Mode and rate of the display, frames between CPU and GPU, and what frames wait for before
+        they begin; None for the profile's.
     exclude
         Combinations to leave out, each a mapping of axes to a value or several.  Axes go by the
         columns of the results: ``policy``, ``scene``, ``trace``, ``hardware``, ``seed``, ``draw``,
@@ -109,6 +110,8 @@ class Study:
         display: str | Sequence[str | None] | None = None,
         refresh_hz: float | Sequence[float | None] | None = None,
         frames_in_flight: int | Sequence[int | None] | None = None,
+        pacing: str | Sequence[str | None] | None = None,
+        latency_limit: int | Sequence[int | None] | None = None,
         exclude: Exclude = (),
         seconds: Seconds = WHOLE,
         warmup_s: float = 1.0,
@@ -119,7 +122,7 @@ class Study:
         self.name, self._warmup_s = name, warmup_s
         scene, trace = named_axis("scene", scenes), named_axis("trace", traces)
         machine = named_axis("hardware", hardware)
-        screens = machine_axes(display, refresh_hz, frames_in_flight)
+        screens = machine_axes(display, refresh_hz, frames_in_flight, pacing, latency_limit)
         self._inputs = StudyInputs(scene, trace, machine, screens, place, seconds)
         draw, other_draws = draw_axis(draws, self._inputs.profiles)
         options: dict[str, Any] = {

@@ -10,7 +10,7 @@ from ..study.comparison_parts import Chances, LeastMiss, PolicyResult, Robustnes
 SEEN = ("visible_error_px", "visible_pops_per_s")
 """Metrics of what can be seen where everything is drawn."""
 
-ORDER = ("missing_objects_mean", *SEEN, "work_ms_mean")
+ORDER = ("missing_objects_mean", *SEEN, "lag_ms_mean", "work_ms_mean")
 """Metrics of the ranking, the first of most weight: a hole in the picture is a fault before all."""
 
 _NOTHING_PX, _NOTHING_POPS, _NOTHING_MISSING = 0.005, 0.05, 0.005
@@ -94,8 +94,16 @@ def _how_sure(
     low, high = robustness.speed
     return (
         f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
-        "the speed."
+        f"the speed{_with_costs(robustness)}."
     )
+
+
+def _with_costs(robustness: Robustness) -> str:
+    """Return with which unmeasured costs the leader stays first, and with which not."""
+    stays = [item.cost for item in robustness.costs if item.stands]
+    falls = [item.cost for item in robustness.costs if not item.stands]
+    words = f", and with {_listed(stays)}" if stays else ""
+    return f"{words}, but not with {_listed(falls)}" if falls else words
 
 
 def _who_misses(policies: Sequence[PolicyResult], budget: str) -> str:

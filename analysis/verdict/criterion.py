@@ -16,6 +16,9 @@ PICTURE_MARGIN_PX = 0.25
 POPS_MARGIN_PER_S = 1.0
 """Of visible switches: a second more or less that decides nothing."""
 
+LAG_MARGIN_MS = 3.2
+"""Of lag: assumed, a fifth of a refresh at 60 Hz; nobody is known to see less on a screen."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Criterion:

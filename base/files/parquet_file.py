@@ -11,6 +11,14 @@ from ..errors import InputError
 
 _ADVICE = "write it again"
 
+MOST_CELLS = 50_000_000
+MOST_ROWS = 4_000_000
+MOST_BYTES = 1 << 29
+"""What a file may hold once decoded, all columns together: some 0.4 GB.
+
+A file of a few hundred kB can say that it holds a thousand times as much.
+"""
+
 
 def write_columns(
     path: Path, columns: Mapping[str, NDArray[Any]], texts: Mapping[str, str | bytes]
@@ -45,9 +53,29 @@ class ParquetColumns:
         except self._refusals as error:
             raise self._unreadable(error) from error
         self.names: list[str] = list(self._file.schema_arrow.names)
+        self._require_room()
 
     def __len__(self) -> int:
         return self._file.metadata.num_rows
+
+    @property
+    def numeric_names(self) -> list[str]:
+        """Names of the columns that hold numbers."""
+        import pyarrow as pa
+
+        def is_number(kind: Any) -> bool:
+            return pa.types.is_integer(kind) or pa.types.is_floating(kind)
+
+        return [field.name for field in self._file.schema_arrow if is_number(field.type)]
+
+    def _require_room(self) -> None:
+        """Raise InputError, before anything is decoded, if the columns would take too much."""
+        known, rows = self._file.metadata, len(self)
+        decoded = sum(known.row_group(i).total_byte_size for i in range(known.num_row_groups))
+        if rows > MOST_ROWS or rows * len(self.names) > MOST_CELLS or decoded > MOST_BYTES:
+            most = f"at most {MOST_ROWS:,} rows and {MOST_CELLS:,} values"
+            got = f"{rows:,} rows of {len(self.names)} columns, {decoded:,} bytes"
+            raise InputError(f"expected {most}, got {got}; split the file", path=self._path)
 
     def text(self, key: str) -> str:
         """Return a text of the schema's metadata, '' if there is none."""

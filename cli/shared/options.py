@@ -37,6 +37,17 @@ Seconds = Annotated[
 ]
 FovyDeg = Annotated[float, Option(help="Vertical field of view.")]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
+Pacing = Annotated[
+    str | None,
+    Option(
+        help="What a frame waits for before it samples the camera: none, limiter or just-in-time; "
+        "else the profile's."
+    ),
+]
+LatencyLimit = Annotated[
+    int | None,
+    Option(metavar="N", help="Frames begun and not shown, 0 for no limit; else the profile's."),
+]
 
 # How replays are scored.
 Warmup = Annotated[

@@ -25,10 +25,15 @@ def count_meshes(document: Document) -> FloatArray:
         mesh = document.nodes[number].mesh
         if mesh is not None:
             if mesh not in of_mesh:
-                parts = pick(document.meshes, mesh, "meshes").primitives
-                of_mesh[mesh] = sum((_count(document, p) for p in parts), np.zeros(len(total)))
+                of_mesh[mesh] = count_mesh(document, mesh)
             total += of_mesh[mesh]
     return total
+
+
+def count_mesh(document: Document, mesh: int) -> FloatArray:
+    """Return what drawing one mesh takes, likewise; raises as `count_meshes`."""
+    parts = pick(document.meshes, mesh, "meshes").primitives
+    return sum((_count(document, part) for part in parts), np.zeros(len(LEVEL_PREDICTORS)))
 
 
 def _count(document: Document, part: Primitive) -> FloatArray:

@@ -48,6 +48,17 @@ class Node(_Struct, frozen=True):
         return [] if self.extensions.MSFT_lod is None else self.extensions.MSFT_lod.ids
 
 
+class Draco(_Struct, frozen=True):
+    """Where the compressed mesh of a primitive is, and Draco's ids of its attributes."""
+
+    buffer_view: int
+    attributes: dict[str, int]
+
+
+class _PrimitiveExtensions(msgspec.Struct, frozen=True):
+    draco: Draco | None = msgspec.field(name="KHR_draco_mesh_compression", default=None)
+
+
 class Primitive(_Struct, frozen=True):
     """Part of a mesh that is drawn by one call."""
 
@@ -55,11 +66,28 @@ class Primitive(_Struct, frozen=True):
     indices: int | None = None
     material: int | None = None
     mode: int = TRIANGLES
+    extensions: _PrimitiveExtensions = _PrimitiveExtensions()
 
 
-class _Mesh(_Struct, frozen=True):
+class Mesh(_Struct, frozen=True):
+    """Primitives that are drawn together."""
+
     primitives: list[Primitive]
     name: str = ""
+
+
+class _SparsePart(_Struct, frozen=True):
+    buffer_view: int
+    byte_offset: int = 0
+    component_type: int = 0
+
+
+class Sparse(_Struct, frozen=True):
+    """Elements that replace some of an accessor's."""
+
+    count: int
+    indices: _SparsePart
+    values: _SparsePart
 
 
 class Accessor(_Struct, frozen=True):
@@ -70,14 +98,36 @@ class Accessor(_Struct, frozen=True):
     type: str
     buffer_view: int | None = None
     byte_offset: int = 0
-    sparse: _Present | None = None
+    normalized: bool = False
+    min: tuple[float, ...] | None = None
+    max: tuple[float, ...] | None = None
+    sparse: Sparse | None = None
 
 
-class _View(_Struct, frozen=True):
+class MeshoptView(_Struct, frozen=True):
+    """The compressed form of a buffer view."""
+
+    buffer: int
+    byte_length: int
+    byte_stride: int
+    count: int
+    mode: str
+    byte_offset: int = 0
+    filter: str = "NONE"
+
+
+class _ViewExtensions(msgspec.Struct, frozen=True):
+    meshopt: MeshoptView | None = msgspec.field(name="EXT_meshopt_compression", default=None)
+
+
+class View(_Struct, frozen=True):
+    """A stretch of a buffer."""
+
     buffer: int
     byte_length: int
     byte_offset: int = 0
     byte_stride: int | None = None
+    extensions: _ViewExtensions = _ViewExtensions()
 
 
 class Buffer(_Struct, frozen=True):
@@ -112,9 +162,9 @@ class Document(_Struct, frozen=True):
     scene: int | None = None
     scenes: list[_Scene] = []
     nodes: list[Node] = []
-    meshes: list[_Mesh] = []
+    meshes: list[Mesh] = []
     accessors: list[Accessor] = []
-    buffer_views: list[_View] = []
+    buffer_views: list[View] = []
     buffers: list[Buffer] = []
     materials: list[_Material] = []
 

@@ -14,6 +14,7 @@ from ..scene.motion import Motion
 from ..scene.rotation import rotate, turn_about_z
 from ..scene.scene import Scene
 from .placement import place, require_layout
+from .placements_file import Placements
 
 _MAX_COUNT = 10_000_000
 
@@ -60,6 +61,23 @@ def build_scene(
     """
     placed = place_kinds(np.array([model.radius_m for model in models]), options, rng)
     return scene_of_objects(name, models, *placed)
+
+
+def scene_of_placements(
+    name: str, models: Sequence[TypeModel], placements: Placements
+) -> tuple[Scene, Geometry]:
+    """Return a flat scene of objects where a file places them, and its geometry."""
+    types, geometry = gather_types(models)
+    scene = Scene.of(
+        name,
+        types,
+        placements.type_index,
+        placements.position_m,
+        turn_xyzw=placements.turn_xyzw,
+        scale=placements.scale,
+        importance=placements.importance,
+    )
+    return scene, geometry
 
 
 def place_kinds(

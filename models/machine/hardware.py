@@ -1,22 +1,26 @@
 """A hardware profile: cost models, their uncertainty, display, memory and disk."""
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 
 from ...base.arrays import FloatArray, freeze, require_finite
-from ...base.errors import InputError, require_between
+from ...base.errors import InputError, require_between, require_whole
 from ...base.predictors import GPU_PREDICTORS
 from .cost import CostModel, CpuCostModel
 from .residual import Residual
 
 DisplayMode = Literal["immediate", "vsync", "mailbox", "vrr"]
+Pacing = Literal["none", "limiter", "just-in-time"]
+
+MOST_LATENCY = 16
+"""Frames of a waitable swapchain at most: DXGI's SetMaximumFrameLatency."""
 
 
 @dataclass(frozen=True, slots=True)
 class Display:
-    """How finished frames reach the screen.
+    """How finished frames reach the screen, and what frames wait for before they begin.
 
     Attributes
     ----------
@@ -24,6 +28,9 @@ class Display:
     refresh_hz : refresh rate of vsync and mailbox; highest rate of vrr
     vrr_min_hz : lowest rate of vrr, below which the panel repeats a frame
     images : 2 or 3 images in the swapchain
+    pacing : "none", "limiter" or "just-in-time", see `sim.pacing`
+    limiter_hz : highest rate at which frames begin under "limiter"; 0 for that of the refresh
+    latency_limit : frames begun and not yet shown, 1 to 16 at most; 0 for no limit
     width_px, height_px : viewport
     """
 
@@ -31,6 +38,9 @@ class Display:
     refresh_hz: float = 60.0
     vrr_min_hz: float = 48.0
     images: int = 3
+    pacing: Pacing = "none"
+    limiter_hz: float = 0.0
+    latency_limit: int = 2  # Unity's maxQueuedFrames; without it light frames fill all queues
     width_px: int = 1280
     height_px: int = 720
 
@@ -46,10 +56,21 @@ class Display:
                 "display: expected 0 < vrr_min_hz <= refresh_hz, got "
                 f"{self.vrr_min_hz} and {self.refresh_hz}"
             )
+        self._require_pacing()
         if self.width_px < 1 or self.height_px < 1:
             raise InputError(
                 f"display: expected positive size, got {self.width_px}x{self.height_px}"
             )
+
+    def _require_pacing(self) -> None:
+        if self.pacing not in get_args(Pacing):
+            raise InputError(
+                f"pacing: expected {', '.join(get_args(Pacing))}, got {self.pacing}; name one"
+            )
+        if not 0.0 <= self.limiter_hz < 1e5:
+            raise InputError(f"limiter_hz: expected 0 (the refresh) to 1e5, got {self.limiter_hz}")
+        require_whole(self.latency_limit, "latency_limit")
+        require_between(self.latency_limit, 0, MOST_LATENCY, "latency_limit")
 
 
 @dataclass(frozen=True, slots=True)

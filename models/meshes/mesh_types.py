@@ -1,18 +1,19 @@
 """Object types from mesh files."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ...base.errors import InputError, about_file
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
+from .authored_levels import MeshGroup
 from .mesh_error import Sampling
 from .mesh_file import load_mesh
 from .simplify import ChainOptions, build_chain
-from .surface_mesh import SurfaceMesh
-from .type_model import TypeModel
+from .surface_mesh import Stand, SurfaceMesh
+from .type_model import TypeModel, measure_levels
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +27,15 @@ class MeshUnits:
         Height that each type is scaled to, as most formats state no unit.
     unit_m : float, optional
         Metres of one file unit; given, it replaces the height.
+    keep_origin : bool
+        Whether the file's origin stays that of the type, as placements from an engine need it; else
+        the type stands on its box.
     """
 
     up: str = "y"
     height_m: float = 2.0
     unit_m: float | None = None
+    keep_origin: bool = False
 
     def __post_init__(self) -> None:
         if self.up not in ("y", "z"):
@@ -43,29 +48,58 @@ class MeshUnits:
 def read_surface(path: Path, units: MeshUnits) -> SurfaceMesh:
     """Return the mesh of a file in metres, z up, standing on the ground; raises InputError."""
     mesh = load_mesh(path)
-    height = units.height_m if units.unit_m is None else None
     with about_file(path):
-        return mesh.standing(y_up=units.up == "y", height_m=height, unit_m=units.unit_m or 1.0)
+        return mesh.at(_stand(mesh, units))
+
+
+def _stand(mesh: SurfaceMesh, units: MeshUnits) -> Stand:
+    return mesh.stand(
+        y_up=units.up == "y",
+        height_m=units.height_m if units.unit_m is None else None,
+        unit_m=units.unit_m or 1.0,
+        keep_origin=units.keep_origin,
+    )
 
 
 def read_types(
-    paths: Iterable[Path],
+    groups: Iterable[MeshGroup],
     units: MeshUnits,
     detail: ChainOptions | KnotOptions,
     sampling: Sampling,
 ) -> Iterator[TypeModel]:
-    """Yield a type with its measured levels for each mesh file, in order.
+    """Yield a type with its measured levels for each group of mesh files, in order.
 
-    Raises `InputError` if a mesh is refused, with its path.
+    A group of several files has these as its levels, and they all stand as the finest does.
+
+    Raises `InputError` if a mesh is refused, with its path, or a level has not fewer triangles than
+    the finer one.
 
     Parameters
     ----------
-    detail : a chain of discrete levels, or the knots of a continuous type
+    detail : a chain of discrete levels, or the knots of a continuous type, of single files
     """
-    for path in paths:
-        standing = read_surface(path, units)
+    for group in groups:
+        if len(group.paths) > 1:
+            yield _authored(group, units, sampling)
+            continue
+        standing = read_surface(next(iter(group.paths)), units)
         if isinstance(detail, ChainOptions):
             yield build_chain(standing, detail, sampling)
         else:
             surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)
             yield build_continuous(surface, detail, sampling)
+
+
+def _authored(group: MeshGroup, units: MeshUnits, sampling: Sampling) -> TypeModel:
+    meshes = [load_mesh(path) for path in group.paths]
+    with about_file(group.paths[0]):
+        stand = _stand(meshes[0], units)
+    levels = [replace(mesh.at(stand), name=group.name) for mesh in meshes]
+    for path, finer, coarser in zip(group.paths[1:], levels, levels[1:], strict=False):
+        if len(coarser.faces) >= len(finer.faces):
+            raise InputError(
+                f"expected fewer than the {len(finer.faces):,} triangles of the finer level, got "
+                f"{len(coarser.faces):,}; check the order of the levels",
+                path=path,
+            )
+    return measure_levels(levels, sampling)

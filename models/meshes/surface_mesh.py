@@ -60,10 +60,15 @@ class SurfaceMesh:
         """Whether the mesh has texture coordinates."""
         return len(self.uv) > 1
 
-    def standing(
-        self, *, y_up: bool, height_m: float | None = None, unit_m: float = 1.0
-    ) -> "SurfaceMesh":
-        """Return the mesh z up in metres, its foot at z = 0 and its box centred on the z axis.
+    def stand(
+        self,
+        *,
+        y_up: bool,
+        height_m: float | None = None,
+        unit_m: float = 1.0,
+        keep_origin: bool = False,
+    ) -> "Stand":
+        """Return how the mesh comes to stand on the ground, z up, in metres.
 
         Raises `InputError` if the mesh is flat, so that no scale gives it the height.
 
@@ -71,9 +76,10 @@ class SurfaceMesh:
         ----------
         y_up : whether y points up in the file, and becomes z by a quarter turn about x
         height_m : height to scale to; if None, file units are `unit_m` metres
+        keep_origin : whether the file's origin stays the origin; else the foot of the box is at
+            z = 0 and its middle on the z axis
         """
-        x, y, z = self.positions.T
-        points = np.stack((x, -z, y) if y_up else (x, y, z), axis=1)
+        points = _z_up(self.positions, y_up=y_up)
         low, high = points.min(axis=0), points.max(axis=0)
         size = high - low
         scale = unit_m
@@ -85,7 +91,32 @@ class SurfaceMesh:
                 )
             scale = height_m / size[2]
         foot = np.array(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]))
-        return replace(self, positions=(points - foot) * scale)
+        return Stand(y_up, np.zeros(3) if keep_origin else foot, float(scale))
+
+    def standing(
+        self, *, y_up: bool, height_m: float | None = None, unit_m: float = 1.0
+    ) -> "SurfaceMesh":
+        """Return the mesh on its foot, as `stand` and `at` bring it there."""
+        return self.at(self.stand(y_up=y_up, height_m=height_m, unit_m=unit_m))
+
+    def at(self, stand: "Stand") -> "SurfaceMesh":
+        """Return the mesh as it stands."""
+        points = _z_up(self.positions, y_up=stand.y_up)
+        return replace(self, positions=(points - stand.foot) * stand.scale)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """From a file's axes and unit to metres, z up: turned, moved by the foot, then scaled."""
+
+    y_up: bool
+    foot: FloatArray
+    scale: float
+
+
+def _z_up(points: FloatArray, *, y_up: bool) -> FloatArray:
+    x, y, z = points.T
+    return np.stack((x, -z, y) if y_up else (x, y, z), axis=1)
 
 
 def clean_surface(

@@ -21,6 +21,7 @@ class Culler:
     """Culls the spheres of N nodes against one camera after another.
 
     `inside`, (N,) bool and read-only, holds the last answer as a mask; the next cull overwrites it.
+    `at`, (m,) intp and read-only, are its candidates as numpy indexes fastest.
 
     A sphere is a candidate unless it lies wholly outside one of the four side planes or the near
     plane; there is no far plane.  This keeps some spheres that only meet the planes' extensions,
@@ -60,7 +61,7 @@ class Culler:
         self._take_blocks()
         self._answer = b"", b""
         # The candidates, their centres, and where among these are x and y of which moving ones.
-        self._at = _NOWHERE
+        self.at = _NOWHERE
         self._ids: IntArray = np.zeros(0, dtype=np.int32)
         self._points = np.zeros((4, 0))
         self._moved_at = self._moved = _NOWHERE
@@ -99,7 +100,10 @@ class Culler:
             reaches = self._measure(planes, now) >= self._behind_m
             answer = reaches.tobytes(), answer[1]
         self._answer = answer
-        self._in_frustum[self._nodes] = reaches[blocks:]
+        # Few nodes come or go, and to find them takes less time than to write all.
+        now_in = reaches[blocks:]
+        changed = (now_in != self._in_frustum.take(self._nodes)).nonzero()[0]
+        self._in_frustum[self._nodes.take(changed)] = now_in.take(changed)
         return True
 
     def _measure(self, planes: FloatArray, now: Placed) -> FloatArray:
@@ -112,10 +116,11 @@ class Culler:
     def _gather(self) -> None:
         """Gather the candidates, unless they are those of the cull before."""
         at = self._inside.nonzero()[0]
-        if at.tobytes() == self._at.tobytes():
+        if at.tobytes() == self.at.tobytes():
             return
-        self._at, self._ids = at, at.astype(np.int32)
-        self._ids.flags.writeable = False
+        self.at, self._ids = at, at.astype(np.int32)
+        at.setflags(write=False)
+        self._ids.setflags(write=False)
         self._points = np.empty((4, len(at)))
         self._points[3] = 1.0
         # A mode that never raises lets numpy write where it is told to, without a copy between.

@@ -11,6 +11,7 @@ from ...base.arrays import FloatArray, IntArray, derive, freeze
 
 _TURN_RAD = 0.5  # farthest that a node turns from the instant of its series
 _TERMS = 14  # of a series: 0.5^14 / 14! is below 1e-15
+_EXPONENTS = np.arange(float(_TERMS))
 _ROW = 512  # numbers that are multiplied at once: BLAS starts no threads for so few
 
 
@@ -129,11 +130,7 @@ class Centers:
         middle_s = (step + 0.5) * self._step_s
         if step != self._step:
             self._step, self._series = step, self._around(self._motion, middle_s)
-        since_s, power, powers = time_s - middle_s, 1.0, [1.0]
-        for _ in range(_TERMS - 1):
-            power *= since_s
-            powers.append(power)
-        xy_m = np.matmul(powers, self._series).reshape(-1)
+        xy_m = np.matmul((time_s - middle_s) ** _EXPONENTS, self._series).reshape(-1)
         moved_m = xy_m[: 2 * len(self.moving)].reshape(2, -1)
         moved_m.setflags(write=False)
         return Placed(self.rest_m[:3], self.moving, moved_m)

@@ -65,8 +65,11 @@ class Nodes:
     ids : (m,) integers
     """
 
-    def __init__(self, scene: Scene, ids: IntArray) -> None:
+    def __init__(self, scene: Scene, ids: IntArray, at: NDArray[np.intp] | None = None) -> None:
+        """Take the indices, and the same ones as numpy indexes fastest if they are there."""
         self.scene, self.ids = scene, ids
+        if at is not None:
+            self.__dict__["at"] = at
         self._lens: tuple[float, float] = (0.0, 0.0)
         self._in_lens: Lens | None = None
 

@@ -98,7 +98,7 @@ class LevelHulls:
         choice = self._hulls.choose(
             kind, size, budget_ms - rest_ms, skip_misfits=skip_misfits, or_single=or_single
         )
-        detail = self._detail[same.kind, choice.column]
+        detail = self._detail.take(same.kind * self._detail.shape[1] + choice.column)
         return Levels(choice.column, detail, rest_ms + choice.cost, same.alternatives)
 
     def bound(self, view: View, size: FloatArray, budget_ms: float) -> float:
@@ -112,7 +112,7 @@ class LevelHulls:
 
     def _rest_ms(self, view: View, same: Same) -> float:
         """Return what no level decides."""
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types, len(view))
         return fixed_ms + self._costs.anyway_ms(view)
 
     def _gather(self, view: View) -> Same:

@@ -45,7 +45,7 @@ class ResolutionCosts:
 
     def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object; every candidate's type is drawn."""
-        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index))
+        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index), len(view))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""
@@ -96,6 +96,10 @@ class ResolutionCosts:
         row, fraction = self._levels.position(view.type_index, detail)
         objects_ms = self._costs.objects_ms(row, view, fraction=fraction)
         return self.fixed_ms(view) + float(objects_ms.sum())
+
+    def least_ms(self, view: View) -> float:
+        """Return the frame's GPU time with every candidate at its coarsest."""
+        return self.predict_ms(view, self.detail(view, self.lowest(view)))
 
     def detail(self, view: View, resolution: FloatArray) -> FloatArray:
         """Return resolutions of continuous types, and the nearest level not above of others."""

@@ -30,6 +30,8 @@ class _Same(NamedTuple):
         Sums of where lines start, and of what full detail costs, whatever the view.
     low_ms, high_ms : float
         Sums of slope times low and times high.
+    least_ms : float
+        Sum of what the coarsest levels cost, whatever the view.
     slope, low, high : (m,) float64
         Milliseconds per unit of resolution, and its bounds.
     key : (L - 1, m) float64
@@ -44,6 +46,7 @@ class _Same(NamedTuple):
     full_ms: float
     low_ms: float
     high_ms: float
+    least_ms: float
     slope: FloatArray
     low: FloatArray
     high: FloatArray
@@ -66,7 +69,8 @@ class SteadyCosts(ResolutionCosts):
         # Where nothing rises with the resolution less detail saves nothing.
         self._least = np.where(line.slope > 0.0, self._low, 1.0)
         full_ms = self._costs.level_ms[levels.start[:-1]]
-        self._sums = np.array((line.start, full_ms, line.slope * self._least, line.slope))
+        least_ms = self._costs.level_ms[levels.start[1:] - 1]
+        self._sums = np.array((line.start, full_ms, line.slope * self._least, line.slope, least_ms))
         self._any_soft, self._all_soft = levels.continuous.any(), levels.continuous.all()
         self._kept = Kept(self._gather)
         self._seen: View | None = None
@@ -77,7 +81,7 @@ class SteadyCosts(ResolutionCosts):
         kind = nodes.type_at
         # Few types: what many objects sum to is told by how many there are of each.
         count = np.bincount(kind, minlength=len(self._least))
-        start_ms, full_ms, low_ms, high_ms = (self._sums @ count).tolist()
+        start_ms, full_ms, low_ms, high_ms, least_ms = (self._sums @ count).tolist()
         return _Same(
             kind,
             nodes.finest_row,
@@ -86,6 +90,7 @@ class SteadyCosts(ResolutionCosts):
             full_ms,
             low_ms,
             high_ms,
+            least_ms,
             self._linear_line.slope.take(kind),
             self._least.take(kind),
             np.ones(len(kind)),
@@ -94,7 +99,7 @@ class SteadyCosts(ResolutionCosts):
 
     def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object, as `ResolutionCosts`."""
-        return self._costs.fixed_ms(view.camera.viewport_px, self._kept.of(view).types)
+        return self._costs.fixed_ms(view.camera.viewport_px, self._kept.of(view).types, len(view))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""
@@ -124,6 +129,11 @@ class SteadyCosts(ResolutionCosts):
             objects_ms = self._costs.level_ms.take(same.first + detail.astype(np.intp))
         return self._rest_ms(view, same) + float(objects_ms.sum())
 
+    def least_ms(self, view: View) -> float:
+        """Return the frame's GPU time with every candidate at its coarsest."""
+        same = self._kept.of(view)
+        return self._rest_ms(view, same) + same.least_ms
+
     def detail(self, view: View, resolution: FloatArray) -> FloatArray:
         """Return resolutions of continuous types, and the nearest level not above of others."""
         if self._all_soft:
@@ -137,7 +147,7 @@ class SteadyCosts(ResolutionCosts):
     def _rest_ms(self, view: View, same: _Same) -> float:
         """Return what does not depend on levels; it is asked for twice a frame."""
         if view is not self._seen:
-            fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types)
+            fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types, len(view))
             self._seen, self._known_ms = view, fixed_ms + self._costs.anyway_ms(view)
         return self._known_ms
 

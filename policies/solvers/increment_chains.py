@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import FloatArray
+from ...base.arrays import BoolArray, FloatArray
 from .column_counts import count_true
 from .falling_cut import FallingCut
 from .falling_prefix import falling_prefix
@@ -62,20 +62,22 @@ class IncrementChains(IncrementForest):
     def _keep_possible(self, left: float) -> None:
         """Keep increments that fit and have none before them in their rows that does not."""
         self._untouched = False
-        fits = self._all_cost <= left
-        fits &= self._ratio > 0.0
-        fits &= ~self.taken.ravel()
-        at = fits.nonzero()[0]
-        row = at // self._width
+        at = (self._all_cost <= left).nonzero()[0]
+        open_to = self._ratio.take(at) > 0.0
+        open_to &= ~self.taken.ravel().take(at)
+        at = at[open_to]
+        row = at // self._width  # by one divisor, which numpy has a fast way for, unlike `divmod`
+        place = at - row * self._width
         # Those of a row stand together: as many as stand before one are to be between it and the
         # last one taken.
-        begins = np.flatnonzero(np.diff(row, prepend=-1))
-        before = np.arange(len(at)) - np.repeat(begins, np.diff(begins, append=len(at)))
-        done = count_true(np.ascontiguousarray(self.taken.T))
-        before += done[row]
-        before += row * self._width
-        self._rest = at[at == before]
-        self._key, self._cost = self._ratio[self._rest], self._all_cost[self._rest]
+        index = np.arange(len(at))
+        begins = np.zeros(len(at), dtype=np.intp)
+        begins[1:] = index[1:] * (row[1:] != row[:-1])
+        before = index - np.maximum.accumulate(begins)
+        done: BoolArray = self.taken.take(row, axis=0)
+        before += count_true(np.ascontiguousarray(done.T))
+        self._rest = at[place == before]
+        self._key, self._cost = self._ratio.take(self._rest), self._all_cost.take(self._rest)
 
     def _sort(self) -> None:
         """Put what is left in order, as `IncrementForest` has it."""

@@ -79,13 +79,13 @@ class SharedHulls:
             gain = hulls.single.take(kind)
             gain *= size
             best = int(gain.argmax())
-            value = hulls.value[steps, kind]
+            value = hulls.value.take(steps * len(self._cost) + kind)
             value *= size
             if gain[best] > float(value.sum()):
                 column = hulls.vertex[0].take(kind)
                 column[best] = hulls.single_column[kind[best]]
                 return self._of(column, kind)
-        return self._of(hulls.vertex[steps, kind], kind)
+        return self._of(hulls.vertex.take(steps * len(self._cost) + kind), kind)
 
     def bound(self, kind: IntArray, size: FloatArray, budget: float) -> float:
         """Return the optimum of the linear relaxation, as `relaxed_bound`: no selection has more.
@@ -103,7 +103,7 @@ class SharedHulls:
         key *= size
         cost = hulls.cost.take(kind, axis=1)
         taken, spent, first_left = self._cut.take(key.ravel(), cost.ravel(), left)
-        base += hulls.value[count_true(taken.reshape(key.shape)), kind]
+        base += hulls.value.take(count_true(taken.reshape(key.shape)) * len(self._cost) + kind)
         bound = float(base @ size)
         if first_left >= 0:
             # The relaxation takes the first edge that does not fit in part (Dantzig).
@@ -111,7 +111,9 @@ class SharedHulls:
         return bound
 
     def _of(self, column: IntArray, kind: IntArray) -> HullChoice:
-        return HullChoice(column, float(self._cost[kind, column].sum()))
+        # By their places in flat arrays: twice as fast as by two indices.
+        cost = self._cost.take(kind * self._cost.shape[1] + column)
+        return HullChoice(column, float(cost.sum()))
 
     def _afford(self, kind: IntArray, budget: float) -> tuple["_Hulls", float]:
         """Return hulls of what is affordable, and what is left beyond the cheapest choices."""

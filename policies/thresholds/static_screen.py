@@ -107,8 +107,9 @@ class StaticScreen:
         # Of each node, as last drawn: its level, and up to and above which distance it may change,
         # for a sphere as high as its radius over its distance.
         n = len(scene) if self._discrete else 0
-        self._levels, self._near_m, self._far_m = np.full((3, n), np.nan)
-        self._near_m[:] = np.inf  # what was never drawn has no distances to stay in
+        self._levels = np.full(n, np.nan)
+        self._bounds_m = np.full((2, n), np.nan)
+        self._bounds_m[0] = np.inf  # what was never drawn has no distances to stay in
         self._kept: _Kept | None = None
         self._alone = True  # whether all that was ever drawn was chosen here
 
@@ -164,7 +165,7 @@ class StaticScreen:
     def _recall(self, view: View) -> _Kept:
         """Return the levels that candidates were last drawn at, and the distances of these."""
         nodes, before = view.nodes, view.previous_detail
-        near_m, far_m = self._near_m.take(nodes.at), self._far_m.take(nodes.at)
+        near_m, far_m = self._bounds_m.take(nodes.at, axis=1)
         if not self._alone:
             # What was drawn at a level that somebody else chose has no distances to stay in.
             near_m[before != self._levels.take(nodes.at)] = np.inf
@@ -181,7 +182,8 @@ class StaticScreen:
         some = self._level(_height(distance_m, radius_m, per_ratio), coarsest, level.take(at))
         near_m, far_m = self._bounds(some, coarsest, radius_m)
         level[at], kept.near_m[at], kept.far_m[at] = some, near_m, far_m
-        self._levels[nodes], self._near_m[nodes], self._far_m[nodes] = some, near_m, far_m
+        self._levels[nodes] = some
+        self._bounds_m[0][nodes], self._bounds_m[1][nodes] = near_m, far_m
         ids = kept.selection.ids
         kept.selection = Selection(ids, level, Work(objects_visited=len(ids)))
 

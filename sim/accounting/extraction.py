@@ -100,14 +100,14 @@ class IndexSets:
 
     def _extract(self, ids: IntArray, step: FloatArray) -> Extraction:
         """Bring the sets of nodes to these steps."""
-        before = self._owned.take(ids)
-        at = (before != step).nonzero()[0]
+        owned = self._owned.take(ids)
+        at = np.flatnonzero(owned != step)
         if not len(at):
             return _NOTHING
-        ids, step, before = ids.take(at), step.take(at), before.take(at)
-        self._owned[ids] = step
-        kind = self._scene.type_index.take(ids)
-        triangles = self._steps.triangles(kind, step)
+        node, now, before = ids[at], step[at], owned[at]
+        self._owned[node] = now
+        kind = self._scene.type_index.take(node)
+        triangles = self._steps.triangles(kind, now)
         # A set that is new has no triangle of before.
         old = np.where(before < 0.0, 0.0, self._steps.triangles(kind, np.maximum(before, 0.0)))
         changed = triangles_changed(old, triangles)

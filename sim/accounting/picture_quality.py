@@ -1,6 +1,6 @@
-"""Error, benefit and degradation of what a frame shows, beside those of full detail."""
+"""Benefit and degradation of what a frame shows, beside those of full detail."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,44 +26,6 @@ class Quality(NamedTuple):
     missing: int
 
 
-class ScreenErrors:
-    """Errors on the screen of what frames draw, one frame after another."""
-
-    def __init__(self, visible_px: float) -> None:
-        self._visible_px = visible_px
-        self._below_px = 0.0  # where the next frame's percentile should not be
-
-    def of(self, drawn: Drawn) -> tuple[float, float, float]:
-        """Return the 95th percentile (lower rank) and maximum of nodes' errors in px.
-
-        The third is the mean over nodes, by their area, of what of the error is visible.
-        """
-        if not len(drawn.ids):
-            return 0.0, 0.0, 0.0
-        sse_px = drawn.error_m * drawn.px_per_m
-        visible_px = self._visible_by_area(sse_px, drawn)
-        rank = int(0.95 * (len(sse_px) - 1))
-        # Only what may be at or above the rank is sorted out: errors change little from frame to
-        # frame, and a partition of all of them takes most of the time.
-        top_px = sse_px.take((sse_px >= self._below_px).nonzero()[0])
-        rank -= len(sse_px) - len(top_px)
-        if rank < 0:
-            top_px, rank = sse_px, rank + len(sse_px) - len(top_px)
-        top_px.partition((rank, len(top_px) - 1))
-        percentile_px = float(top_px[rank])
-        self._below_px = 0.97 * percentile_px
-        return percentile_px, float(top_px[-1]), visible_px
-
-    def _visible_by_area(self, sse_px: FloatArray, drawn: Drawn) -> float:
-        at = (sse_px > self._visible_px).nonzero()[0]
-        area_px = float(np.add.reduce(drawn.area_px)) if len(at) else 0.0
-        if not area_px:
-            return 0.0
-        beyond_px = sse_px.take(at) - self._visible_px
-        beyond_px *= drawn.area_px.take(at)  # a product of vectors adds in an order of its own
-        return float(np.add.reduce(beyond_px)) / area_px
-
-
 class FlatQuality:
     """Quality of scenes without a hierarchy, from tables of one entry a level."""
 
@@ -79,9 +41,6 @@ class FlatQuality:
         # Of each level its own, then those of its type's finest level.
         self._per_level = np.concatenate((each, each.take(finest, axis=1)))
         self._unit_importance = bool((scene.importance == 1.0).all())
-        # Of all that is drawn, gathered anew where rows change.
-        self._row = np.zeros(0, dtype=np.int64)
-        self._at_rows = np.zeros((4, 0))
 
     def units(self, view: View) -> View:
         """Return the view of all objects in the frustum: the candidates."""
@@ -89,10 +48,14 @@ class FlatQuality:
 
     def score(self, drawn: Drawn, units: View) -> Quality:
         """Return the quality of a frame over the `units` in its frustum."""
-        if drawn.row is not self._row:
-            self._row, self._at_rows = drawn.row, self._scores(drawn)
         weight = self._weight(drawn.seen)
-        benefit, degradation, full_benefit, full_degradation = sum_rows(self._at_rows, weight)
+        # By level, as many objects share one; then few products are left.
+        by_level: Any = np.bincount(drawn.row, weight, len(self._primitives))
+        benefit, degradation, full_benefit, full_degradation = sum_rows(self._per_level, by_level)
+        if drawn.fraction is not None:
+            primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
+            benefit = float(np.add.reduce(weight * _accuracy(primitives)))
+            degradation = float(np.add.reduce(weight / np.maximum(primitives, 1.0)))
         missing = len(units.ids) - len(drawn.ids)
         if missing:
             whole = self._weight(units)
@@ -105,14 +68,6 @@ class FlatQuality:
     def find_missing(self, drawn: Drawn, units: View) -> NDArray[np.intp]:
         """Return the positions of `units` of which nothing is drawn."""
         return (~np.isin(units.ids, drawn.ids)).nonzero()[0]
-
-    def _scores(self, drawn: Drawn) -> FloatArray:
-        """Return accuracy and one over primitives of each node, drawn and at its finest, (4, m)."""
-        scores = self._per_level.take(drawn.row, axis=1)
-        if drawn.fraction is not None:
-            primitives = self._levels.interpolate(self._primitives, drawn.row, drawn.fraction)
-            scores[0], scores[1] = _accuracy(primitives), 1.0 / np.maximum(primitives, 1.0)
-        return scores
 
     def _weight(self, view: View) -> FloatArray:
         return view.area_px if self._unit_importance else view.area_px * view.nodes.importance

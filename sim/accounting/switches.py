@@ -49,11 +49,6 @@ class Drawn:
     error_m: FloatArray
 
     @property
-    def px_per_m(self) -> FloatArray:
-        """Error in px of one metre of error before scale, at each node's nearest point, (m,)."""
-        return self.seen.px_per_m
-
-    @property
     def area_px(self) -> FloatArray:
         """Projected area of each node's bounding sphere, (m,)."""
         return self.seen.area_px
@@ -177,7 +172,7 @@ class Switches:
         if not len(at):
             return _NO_SWITCHES
         ids = drawn.at.take(at)
-        step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.px_per_m.take(at)
+        step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.seen.px_per_m_at(at)
         popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
         visible_pops = int(np.count_nonzero(step >= self._visible_px))
         new_row, old_row, levels_changed = drawn.row.take(at), self._last_row.take(ids), len(ids)

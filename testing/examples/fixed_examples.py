@@ -107,7 +107,9 @@ def example_at(
     memory_share
         How much of the nodes other than the roots fits in memory; None for all.
     """
-    display = Display(mode, refresh_hz, refresh_hz, images=2, width_px=640, height_px=360)
+    display = Display(
+        mode, refresh_hz, refresh_hz, images=2, latency_limit=0, width_px=640, height_px=360
+    )
     machine = HardwareProfile(
         "fixed",
         Provenance("assumed: made up for a test", assumed=True),

@@ -149,6 +149,7 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
     arguments += ["--fovy-deg", "50", "--crossfade-ms", "200", "--measurement-delay", "2"]
     arguments += ["--faults", "missing=0.5,stale=0.1", "--budget-ms", "5", "--warmup", "0.5"]
     arguments += ["--seconds", "5:7", "--visible", "2"]
+    arguments += ["--pacing", "just-in-time", "--latency-limit", "0"]
     assert run([*SHORT, "--policy", "feedback:target=0.9", *arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     conditions = document["conditions"]
@@ -156,6 +157,8 @@ def test_conditions_are_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
         "display": "vsync",
         "refresh_hz": 120.0,
         "frames_in_flight": 3,
+        "pacing": "just-in-time",
+        "latency_limit": 0,
         "fovy_deg": 50.0,
         "crossfade_ms": 200.0,
         "measurement_delay": 2,
@@ -201,6 +204,8 @@ def test_report_is_made_again(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--display", "crt"], "immediate, vsync, mailbox or vrr"),
         (["--refresh-hz", "0"], "refresh_hz"),
         (["--frames-in-flight", "9"], "1 to 4"),
+        (["--pacing", "fast"], "pacing: expected none, limiter, just-in-time, got fast"),
+        (["--latency-limit", "17"], "latency_limit: expected 0 to 16, got 17"),
         (["--faults", "missing=2"], "faults"),
         (["--faults", "lost=0.1"], "faults: expected"),
         (["--faults", "missing=lots"], "faults: expected"),
@@ -309,12 +314,12 @@ def test_two_folders_are_compared(
     assert "work_ms_mean" in out
     assert max(map(len, out.splitlines())) <= 100
     document = document_of(capsys, "compare", *folders[:2])
-    assert document["schema"] == "lodbench.changes/1"
+    assert document["schema"] == "lodbench.compare-changes/2"
     assert document["paired"]
     work = next(item for item in document["metrics"] if item["metric"] == "work_ms_mean")
     assert work["beyond_noise"]
     assert work["after"] > work["before"]
-    assert document["policies"][0]["term_ratio"] > 1.0
+    assert document["policies"][0]["term_ms"] > 0.0
     same = document_of(capsys, "compare", *folders[1:])
     assert not any(item["beyond_noise"] for item in same["metrics"])
     assert same["policies"][0]["term"] == ""

@@ -91,9 +91,8 @@ def test_columns_are_mapped(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = write_log(tmp_path / "own.csv", header="Calls9,Prims9,Span9")
     mapping = "draw_calls=Calls9,triangles=Prims9,gpu_ms=Span9"
     assert run(["fit", str(path), "--map", mapping, *QUICK, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["logs"][0]["notes"] == [
-        "gpu_ms is Span9 in ms, since its name has no unit"
-    ]
+    (note,) = json.loads(capsys.readouterr().out)["logs"][0]["notes"]
+    assert note.startswith("gpu_ms is Span9 in milliseconds, by their size: the median is 1")
 
 
 def test_a_short_chain_is_a_warning_and_with_strict_a_failure(
@@ -209,12 +208,10 @@ GOOD = "draw_calls,triangles,gpu_ms\n" + "".join(
         (b"\x00\x01\xff\xfe binary \x80", "bad.csv:1: expected UTF-8 text, got byte 0xff"),
         (GOOD.split("\n", 1)[0], "expected rows below the header, got none"),
         (GOOD.split("\n", 1)[1], "expected a header row with names, got numbers"),
-        (GOOD[:-9], "the file is cut off in its last row"),
-        (GOOD.replace(".5", ",5"), "decimal commas?"),
+        (GOOD.replace(".5", ",5"), "decimal commas, or thousands?"),
         (GOOD.split("\n", 1)[0] + "\n" + GOOD.split("\n", 1)[1].replace(",", ";"), "delimiter"),
         (GOOD.replace("draw_calls", "triangles"), "expected one column triangles, got 2"),
         (GOOD.replace("gpu_ms", "mood"), "expected a column with a time"),
-        (GOOD.replace("105,", "NaNa,"), "expected a number in column draw_calls, got 'NaNa'"),
         ("\n".join(GOOD.split("\n")[:7]) + "\n", "expected at least 16 frames to choose among"),
         ("triangles,gpu_ms\n" + "1,-3\n" * 9, "missing, zero or negative in 100% of frames"),
         ("draw_calls,gpu_ms\n" + "5,3.5\n" * 50, "the view stands still"),

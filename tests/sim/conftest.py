@@ -39,7 +39,7 @@ def _run_pipeline(mode: DisplayMode, frames: int = 400) -> FrameLog:
     cpu_ns = rng.lognormal(np.log(4e6), 0.3, frames).astype(np.int64)
     gpu_ns = rng.lognormal(np.log(9e6), 0.4, frames).astype(np.int64)
     gpu_ns[rng.random(frames) < 0.02] *= 6
-    display = Display(mode=mode, refresh_hz=90.0, vrr_min_hz=40.0)
+    display = Display(mode=mode, refresh_hz=90.0, vrr_min_hz=40.0, latency_limit=0)
     pipeline = Pipeline(_Script(cpu_ns.tolist(), gpu_ns.tolist()), display, 2)
     pipeline.run()
     times = np.stack([np.array(getattr(pipeline, name)) for name in TIMES], axis=1)
@@ -68,8 +68,8 @@ def run_frames() -> Callable[..., Pipeline]:
 def _run_frames(
     cpu_ns: Sequence[int], gpu_ns: Sequence[int], frames_in_flight: int = 2, **display: Any
 ) -> Pipeline:
-    # At once, unless a test is about the screen: no refresh then rounds what it works out.
-    given: dict[str, Any] = {"mode": "immediate"} | display
+    # At once and unpaced, unless a test is about that: nothing then delays what it works out.
+    given: dict[str, Any] = {"mode": "immediate", "latency_limit": 0} | display
     screen = Display(**given)
     pipeline = Pipeline(_Script(cpu_ns, gpu_ns), screen, frames_in_flight)
     pipeline.run()

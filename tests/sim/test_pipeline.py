@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from lodbench.models.machine.hardware import Display, DisplayMode
@@ -187,6 +189,35 @@ def test_vrr_at_the_edge_of_its_range(run_frames: RunFrames) -> None:
     """A frame done exactly when the panel would repeat, 25 ms after the last, is shown then."""
     pipeline = run_frames([0] * 2, [5 * MS, 25 * MS], mode="vrr", refresh_hz=100.0, vrr_min_hz=40.0)
     assert in_ms(pipeline.display_ns).tolist() == [5, 30]
+
+
+def test_vrr_repeats_evenly_where_the_range_spans_a_factor_of_two(run_frames: RunFrames) -> None:
+    """At 40 to 100 Hz frames 30 ms apart are shown at once, from the third on.
+
+    Frame 1, done at 60 ms, waits for the repeat of 55 ms to end at 65.  Frame 2 is expected at 90,
+    which is one period of 25 ms.  Frame 3 is expected 30 ms on, in two of 15: the repeat at 105 has
+    ended at 115, and frame 3 is shown at 120.
+    """
+    pipeline = run_frames([0] * 7, [30 * MS] * 7, mode="vrr", refresh_hz=100.0, vrr_min_hz=40.0)
+    assert in_ms(pipeline.display_ns).tolist() == [30, 65, 90, 120, 150, 180, 210]
+
+
+def test_vrr_of_a_narrow_range_does_not_compensate(run_frames: RunFrames) -> None:
+    """At 60 to 100 Hz every frame 22 ms after the last meets the repeat of 16.7 ms, until 26.7."""
+    pipeline = run_frames([0] * 4, [22 * MS] * 4, mode="vrr", refresh_hz=100.0, vrr_min_hz=60.0)
+    shown = in_ms(pipeline.display_ns)
+    assert shown[:2] == pytest.approx([22, 48.667], abs=1e-3)
+    assert shown[2] == pytest.approx(75.333, abs=1e-3)
+
+
+@given(st.integers(26, 200), st.integers(0, 4))
+def test_vrr_far_below_its_range_shows_even_frames_at_once(
+    run_frames: RunFrames, gpu_ms: int, cpu_ms: int
+) -> None:
+    """However slow, frames that are evenly apart never wait once their pace is known."""
+    work = [cpu_ms * MS] * 12, [gpu_ms * MS] * 12
+    pipeline = run_frames(*work, mode="vrr", refresh_hz=100.0, vrr_min_hz=40.0)
+    assert pipeline.display_ns[6:] == pipeline.gpu_end_ns[6:]
 
 
 @pytest.mark.parametrize("mode", ["immediate", "vsync", "mailbox", "vrr"])

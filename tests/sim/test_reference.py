@@ -8,13 +8,15 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lodbench.models.machine.hardware import Display, DisplayMode
+from lodbench.models.machine.hardware import Display, DisplayMode, Pacing
 from lodbench.sim.pipeline import Pipeline
 from lodbench.sim.screens import DROPPED_NS
 
 MS = 1_000_000
 RunFrames = Callable[..., Pipeline]
 Costs = list[tuple[int, int]]
+Paced = tuple[Pacing, int]
+"""Pacing and latency limit."""
 
 # Few distinct values, so that frames often end at the same nanosecond or exactly at a vblank.
 durations = st.one_of(st.sampled_from([1, MS, 5 * MS, 10 * MS, 20 * MS]), st.integers(1, 45 * MS))
@@ -22,6 +24,9 @@ costs = st.lists(st.tuples(durations, durations), min_size=1, max_size=40)
 in_flight = st.integers(1, 4)
 images = st.sampled_from([2, 3])
 modes = st.sampled_from(["immediate", "vsync", "mailbox", "vrr"])
+pacings = st.sampled_from(
+    [("none", 0), ("limiter", 0), ("just-in-time", 0), ("none", 1), ("just-in-time", 2)]
+)
 
 
 def reference(
@@ -70,15 +75,21 @@ def test_pipeline_equals_the_recurrences_to_the_nanosecond(
     assert list(zip(*columns, strict=True)) == reference(work, frames_in_flight, images, refresh_hz)
 
 
-@given(costs, in_flight, images, modes)
+@given(costs, in_flight, images, modes, pacings)
 def test_frames_keep_their_order_and_no_lag_is_shorter_than_the_work(
-    run_frames: RunFrames, work: Costs, frames_in_flight: int, images: int, mode: DisplayMode
+    run_frames: RunFrames,
+    work: Costs,
+    frames_in_flight: int,
+    images: int,
+    mode: DisplayMode,
+    paced: Paced,
 ) -> None:
     """Every stage sees frames in order; from input to display takes at least CPU + GPU."""
     cpu_ns, gpu_ns = (np.array(column) for column in zip(*work, strict=True))
     pipeline = run_frames(
-        cpu_ns.tolist(), gpu_ns.tolist(), frames_in_flight, mode=mode, images=images
-    )
+        cpu_ns.tolist(), gpu_ns.tolist(), frames_in_flight, mode=mode, images=images,
+        pacing=paced[0], latency_limit=paced[1],
+    )  # fmt: skip
     for column in (pipeline.input_ns, pipeline.cpu_end_ns, pipeline.gpu_start_ns):
         assert (np.diff(np.array(column)) > 0).all()
     shown = np.array(pipeline.display_ns) != DROPPED_NS
@@ -91,9 +102,14 @@ def test_frames_keep_their_order_and_no_lag_is_shorter_than_the_work(
     assert shown[-1]
 
 
-@given(costs, in_flight, images, modes)
+@given(costs, in_flight, images, modes, pacings)
 def test_frames_in_flight_and_images_are_never_over_committed(
-    run_frames: RunFrames, work: Costs, frames_in_flight: int, images: int, mode: DisplayMode
+    run_frames: RunFrames,
+    work: Costs,
+    frames_in_flight: int,
+    images: int,
+    mode: DisplayMode,
+    paced: Paced,
 ) -> None:
     """At no instant do more frames stand between input and GPU end, or hold images, than exist.
 
@@ -101,7 +117,10 @@ def test_frames_in_flight_and_images_are_never_over_committed(
     or, if mailbox drops it, until the frame after it is done.
     """
     cpu_ns, gpu_ns = zip(*work, strict=True)
-    pipeline = run_frames(cpu_ns, gpu_ns, frames_in_flight, mode=mode, images=images)
+    pipeline = run_frames(
+        cpu_ns, gpu_ns, frames_in_flight, mode=mode, images=images,
+        pacing=paced[0], latency_limit=paced[1],
+    )  # fmt: skip
     start, end = np.array(pipeline.gpu_start_ns), np.array(pipeline.gpu_end_ns)
     began, display = np.array(pipeline.input_ns), np.array(pipeline.display_ns)
     freed = np.full(len(work), np.iinfo(np.int64).max)
@@ -131,12 +150,13 @@ class _Counting(Pipeline):
         super()._shown(time_ns, frame)
 
 
-@given(costs, in_flight, images, modes)
+@given(costs, in_flight, images, modes, pacings)
 def test_no_frame_is_shown_twice(
-    work: Costs, frames_in_flight: int, images: int, mode: DisplayMode
+    work: Costs, frames_in_flight: int, images: int, mode: DisplayMode, paced: Paced
 ) -> None:
-    """The screen reports each frame exactly once, as shown or as dropped."""
-    pipeline = _Counting(work, Display(mode=mode, images=images), frames_in_flight)
+    """The screen reports each frame exactly once, as shown or as dropped, and none is lost."""
+    display = Display(mode=mode, images=images, pacing=paced[0], latency_limit=paced[1])
+    pipeline = _Counting(work, display, frames_in_flight)
     pipeline.run()
     assert pipeline.reports == Counter(range(len(work)))
 

@@ -24,7 +24,7 @@ def test_views_of_earlier_frames_stay_as_they_were(
     """No array that a policy was shown is used again for a later frame, where nodes move too."""
     motion = Motion(np.array([0, 1]), np.array([3.0, 1.0]), np.array([9.0, -4.0]), np.zeros(2))
     scene = make_scene([(-2.0, 0.0, -10.0), (0.0, 0.0, -8.0), (3.0, 0.0, -9.0)], motion=motion)
-    names = ("ids", "xyz_m", "distance_m", "nearest_m", "area_px", "px_per_m")
+    names = ("ids", "xyz_m", "distance_m", "nearest_m", "area_px")
     shown: list[tuple[np.ndarray, bytes]] = []
 
     def keep(view: View, selection: Selection) -> Selection:
@@ -34,8 +34,28 @@ def test_views_of_earlier_frames_stay_as_they_were(
         return selection
 
     run(scripted([0, 0, 1, 2, 2, 0], keep), 12, scene=scene)
-    assert len(shown) == 12 * 8
+    assert len(shown) == 12 * 7
     assert all(array.tobytes() == before for array, before in shown)
+
+
+def test_speeds_go_by_where_candidates_were_whatever_is_kept_of_it(
+    run: Run, scripted: MakePolicy, make_scene: Callable[..., Scene]
+) -> None:
+    """Apparent speeds are those of a view that is told nothing but cameras and centres."""
+    motion = Motion(np.array([0]), np.array([3.0]), np.array([9.0]), np.zeros(1))
+    scene = make_scene([(-2.0, 0.0, -10.0), (3.0, 0.0, -9.0)], motion=motion)
+    kept = list[bool]()
+
+    def compare(view: View, selection: Selection) -> Selection:
+        last = view.state.last_placed
+        kept.append(last is not None and last[0] is view.nodes)
+        plain = View(replace(view.state, last_placed=None), view.ids, view.xyz_m)
+        np.testing.assert_allclose(view.speed_deg_s, plain.speed_deg_s, rtol=1e-9, atol=1e-12)
+        return selection
+
+    run(scripted([0, 0, 1], compare), 12, scene=scene)
+    assert any(kept)
+    assert not kept[0]
 
 
 @pytest.mark.parametrize("reused", [False, True])

@@ -1,21 +1,17 @@
 """Read a camera trace from a file of any known format, named or recognised by its content."""
 
-from collections.abc import Generator
-from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 from ...base.errors import (
     InputError,
-    LodbenchError,
-    about_file,
     about_users_code,
     is_file,
     require_kind,
 )
-from ...base.foreign_text import describe_error
 from ...base.name_registry import Registry
+from ...base.reader_guard import guarded
 from .camera_trace import CameraTrace
 from .formats.columns import read_columns
 from .reading.poses import AS_FOUND, Poses, Reading, trace_of_poses
@@ -53,6 +49,7 @@ FORMATS: Registry[TraceFormat] = Registry(
 """All formats by name, in the order in which a file is shown to them."""
 
 HEAD_LINES = 100
+_WHAT = "a camera trace"
 
 
 def register_format(name: str, known: TraceFormat) -> None:
@@ -84,14 +81,15 @@ def read_trace(
     """
     path, selector = split_spec(spec)
     if reading.columns:
-        with about_file(path), _one_line(path):
+        with guarded(path, _WHAT):
             return trace_of_poses(read_columns(path, selector, reading), path, reading)
-    name = format_of(path) if format_name is None else format_name
+    with guarded(path, _WHAT):
+        name = format_of(path) if format_name is None else format_name
     known = FORMATS.find(name)
-    with about_users_code(known.read, name, path), _one_line(path):
+    with guarded(path, _WHAT), about_users_code(known.read, name, path):
         found = known.read(path, selector)
     if isinstance(found, Poses):
-        with about_file(path), _one_line(path):
+        with guarded(path, _WHAT):
             return trace_of_poses(found, path, reading)
     trace = require_kind(found, CameraTrace, name, path)
     return trace if reading == AS_FOUND else _said_otherwise(trace, name, reading, path)
@@ -107,21 +105,6 @@ def _said_otherwise(trace: CameraTrace, name: str, reading: Reading, path: Path)
         )
     scale = UNITS_M[reading.unit or "m"]
     return replace(trace, position_m=trace.position_m * scale)
-
-
-@contextmanager
-def _one_line(path: Path) -> Generator[None]:
-    """Turn whatever else a reader raises on a damaged file into one line."""
-    try:
-        yield
-    except (LodbenchError, OSError):
-        raise
-    except (ValueError, ArithmeticError, LookupError, TypeError, RecursionError) as error:
-        raise InputError(
-            f"expected a camera trace, got a file that cannot be read ({describe_error(error)}); "
-            "export it again",
-            path=path,
-        ) from error
 
 
 def split_spec(spec: str) -> tuple[Path, str | None]:

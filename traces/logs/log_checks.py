@@ -10,19 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
+from .checks.caps import capped_at_hz
+from .checks.late import frames_late
 from .render_log import TIMES, RenderLog, TimeName
-
-# Refresh rates of displays in use, and half of them, at which frames that take two refreshes come.
-REFRESH_HZ = (24, 25, 30, 36, 40, 45, 48, 50, 60, 72, 75, 80, 90, 100, 120, 144, 165, 240, 360)
 
 _ENOUGH_FRAMES = 30  # below, nothing can be said of a distribution
 _SLOWEST_MS = 1e4  # longer is a pause, not a frame
-_CLUSTERED = 0.8  # share of frames within 3 % of a refresh of whole refreshes
-_NEAR = 0.03
-_LOCKED = 0.5  # resultant length of presents' phases in the refresh; noise alone gives n^(-1/2)
-_LOCKED_ENOUGH_FRAMES = 200
-_LONGEST = 4_000  # frames; longer, and the refresh would have to be known to a part in 10,000
-_MOST_STEPS = 2_000  # enough for 4,000 frames of 30 Hz
 _STALE = 0.05  # share of values that repeat the one before
 _COVERED = 0.9  # share of the elapsed time that the frames' times add up to
 _STILL = 0.05  # coefficient of variation of predictors, below which a view stands still
@@ -67,52 +60,38 @@ def check_log(log: RenderLog) -> tuple[Finding, ...]:
     return (*of_times, *of_log)
 
 
-def capped_at_hz(time_ms: FloatArray) -> float | None:
-    """Return the refresh rate that frame times are tied to, or None.
-
-    Either the times themselves cluster at multiples of the refresh, or, where the clock that took
-    them jitters, the moments of presenting do: phases of the cumulated times in a refresh then add
-    up to a long resultant (Rayleigh's test), while those of a free-running renderer drift through
-    all phases.
-    """
-    time_ms = time_ms[(time_ms > 0.0) & (time_ms < _SLOWEST_MS)]
-    if len(time_ms) < _ENOUGH_FRAMES:
-        return None
-    for rate in REFRESH_HZ:
-        refreshes: FloatArray = time_ms * (rate / 1e3)
-        whole: FloatArray = np.maximum(np.rint(refreshes), 1.0)
-        if np.mean(np.abs(refreshes - whole) < _NEAR) >= _CLUSTERED:
-            return float(rate)
-    if len(time_ms) < _LOCKED_ENOUGH_FRAMES:
-        return None
-    presented_s = np.cumsum(time_ms[-_LONGEST:]) / 1e3
-    return next((hz for rate in REFRESH_HZ if (hz := _locked_hz(presented_s, rate))), None)
-
-
-def _locked_hz(presented_s: FloatArray, rate: float) -> float | None:
-    """Return the rate within 0.5 % of `rate` to whose period moments are locked, or None.
-
-    The steps are a quarter of what n periods can tell apart.
-    """
-    span = 0.005 * rate
-    steps = int(min(8.0 * span * presented_s[-1], _MOST_STEPS)) + 3
-    best, best_hz = 0.0, rate
-    for hz in np.linspace(rate - span, rate + span, steps).tolist():
-        turns: FloatArray = 2.0 * np.pi * hz * presented_s
-        resultant = float(np.hypot(np.cos(turns).mean(), np.sin(turns).mean()))
-        best, best_hz = max((best, best_hz), (resultant, hz))
-    return best_hz if best >= _LOCKED else None
-
-
 def _capped(log: RenderLog, name: TimeName) -> str | None:
-    rate = capped_at_hz(log.time(name))
+    """Look at intervals alone: a busy time near a refresh is the time of honest work."""
+    if name != "frame_ms":
+        return None
+    names: tuple[TimeName, ...] = ("gpu_ms", "cpu_ms")
+    busy: list[TimeName] = [other for other in names if other in log.times]
+    load = [log.counts, *(log.time(other)[:, np.newaxis] for other in busy)]
+    rate = capped_at_hz(log.time(name), _without_holes(np.hstack(load)))
     if rate is None:
         return None
-    busy = [other for other in ("gpu_ms", "cpu_ms") if other in log.times and other != name]
     advice = f"fit {' or '.join(busy)}" if busy else "log a busy time, or switch the cap off"
     return (
         f"{name} is tied to a clock of {rate:.4g} Hz (a refresh or a frame cap), so it carries no "
         f"cost; {advice}"
+    )
+
+
+def _without_holes(load: FloatArray) -> FloatArray:
+    """Leave out what most frames lack, so that the others can be a control."""
+    if not load.shape[1]:
+        return load
+    bearable = np.abs(load) < 1e15
+    return np.where(bearable, load, np.nan)[:, bearable.mean(axis=0) > 0.5]
+
+
+def _late(log: RenderLog, name: TimeName) -> str | None:
+    lag, so, now = frames_late(log, name)
+    if not lag:
+        return None
+    return (
+        f"{name} is late by {lag} {'frame' if lag == 1 else 'frames'}: counts of {lag} rows before "
+        f"explain {so:.0%} of its variance, those of its own row {max(now, 0.0):.0%}"
     )
 
 
@@ -200,6 +179,7 @@ def _still(log: RenderLog) -> str | None:
 # Kind, whether it refuses, and the check, which returns the message if there is one.
 _CHECKS_OF_TIMES: tuple[tuple[str, bool, Callable[[RenderLog, TimeName], str | None]], ...] = (
     ("capped", True, _capped),
+    ("late", False, _late),
     ("stale", False, _stale),
     ("unmeasured", True, _unmeasured),
     ("software-timer", True, _software_timer),

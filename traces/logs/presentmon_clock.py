@@ -16,13 +16,13 @@ from ...base.errors import InputError
 from .log_table import LogTable
 
 # Seconds in a unit; None for ticks of the performance counter.
-_PRESENT_CLOCKS: dict[str, float | None] = {
+PRESENT_CLOCKS: dict[str, float | None] = {
     "timeinseconds": 1.0,
     "timeinms": 1e-3,
     "timeinqpc": None,
     "timeindatetime": 1.0,
 }
-_CPU_CLOCKS: dict[str, float | None] = {
+CPU_CLOCKS: dict[str, float | None] = {
     "cpustarttime": 1e-3,
     "cpustarttimeinseconds": 1.0,
     "cpustarttimeinms": 1e-3,
@@ -39,22 +39,25 @@ def present_clock(
 ) -> FloatArray:
     """Return the start of Present() of the chosen rows in seconds.
 
-    Raises `InputError` if there is no clock, a row has no time, or times decrease.
+    A row without a time has NaN.
+
+    Raises `InputError` if there is no clock, no row has a time, or times decrease.
     """
     names = [name.lower() for name in table.header]
-    clocks = {**_PRESENT_CLOCKS, **_CPU_CLOCKS}
+    clocks = {**PRESENT_CLOCKS, **CPU_CLOCKS}
     name = next((name for name in clocks if name in names), None)
     if name is None:
         message = (
             f"expected a column with the time ({', '.join(clocks)}), got none; capture with one"
         )
         raise InputError(message, path=table.path, line=table.first_line - 1)
-    at_present = name in _PRESENT_CLOCKS
+    at_present = name in PRESENT_CLOCKS
     clock = _read(table, names.index(name), rows)
     unit_s = clocks[name]
     if unit_s is None:
         interval_ms = _intervals(known, len(rows), at_present=at_present)
-        time_s = (clock - clock[0]) * _tick_s(clock, interval_ms, table)
+        first = clock[np.isfinite(clock)][:1]
+        time_s = (clock - first) * _tick_s(clock, interval_ms, table) if len(first) else clock
     else:
         time_s = clock * unit_s
     if not at_present:
@@ -84,12 +87,11 @@ def _tick_s(clock: FloatArray, interval_ms: FloatArray, table: LogTable) -> floa
 
 
 def _read(table: LogTable, column: int, rows: list[int]) -> FloatArray:
-    _, first = next(table.rows())
-    if not _DATE.fullmatch(first[column].strip()):
-        return table.numbers([column])[rows, 0]
     texts = table.texts(column)
+    if not any(_DATE.fullmatch(texts[row].strip()) for row in rows[:10]):
+        return table.numbers([column])[rows, 0]
     times_ns = [_date_ns(texts[row].strip()) for row in rows]
-    first_ns = times_ns[0] or 0
+    first_ns = next((ns for ns in times_ns if ns is not None), 0)
     return np.array([np.nan if ns is None else (ns - first_ns) / 1e9 for ns in times_ns])
 
 
@@ -108,12 +110,11 @@ def _date_ns(text: str) -> int | None:
 
 
 def _require_order(time_s: FloatArray, table: LogTable, lines: Sequence[int]) -> None:
-    refuse_rows(
-        ~np.isfinite(time_s),
-        lambda _: "expected a time in each row, got none; correct or remove the row",
-        path=table.path,
-        lines=lines,
-    )
+    timed = np.flatnonzero(np.isfinite(time_s))
+    if not len(timed):
+        message = "expected a time in each row, got none; capture again"
+        raise InputError(message, path=table.path, line=table.first_line)
+    time_s, lines = time_s[timed], [lines[int(row)] for row in timed.tolist()]
     refuse_rows(
         np.append(False, np.diff(time_s) < 0.0),
         lambda row: (

@@ -4,6 +4,8 @@ from pathlib import Path
 
 from ...base.errors import InputError, about_users_code, require_kind
 from ...base.name_registry import Registry
+from ...base.reader_guard import guarded
+from .known_tools import refuse_known_tool
 from .log_format import Columns, LogFormat, LogHead
 from .render_log import RenderLog
 
@@ -18,6 +20,10 @@ LOG_FORMATS: Registry[LogFormat] = Registry(
         "presentmon": "presentmon:FORMAT",
         "unreal": "unreal_csv:FORMAT",
         "unity": "unity_csv:FORMAT",
+        "afterburner": "afterburner:FORMAT",
+        "fraps": "fraps:FORMAT",
+        "android": "android_framestats:FORMAT",
+        "json": "log_json:FORMAT",
         "csv": "log_csv:FORMAT",  # takes what is left, and says what it misses
     },
 )
@@ -48,14 +54,15 @@ def read_render_log(
         A name in `LOG_FORMATS`, or ``file.py:NAME`` or ``package.module:NAME`` of a `LogFormat`;
         None recognises the format by the content.
     """
-    name = log_format_of(path) if log_format is None else log_format
-    chosen = LOG_FORMATS.find(name)
-    if mapping and not chosen.predictors:
-        message = f"expected no mapping, since a {name} log holds nothing but times"
-        raise InputError(f"{message}; remove it, or name the format csv", path=path)
-    with about_users_code(chosen.read, name, path):
-        log = chosen.read(path, mapping)
-    return require_kind(log, RenderLog, name, path)
+    with guarded(path, "a render log"):
+        name = log_format_of(path) if log_format is None else log_format
+        chosen = LOG_FORMATS.find(name)
+        if mapping and not chosen.predictors:
+            message = f"expected no mapping, since a {name} log holds nothing but times"
+            raise InputError(f"{message}; remove it, or name the format csv", path=path)
+        with about_users_code(chosen.read, name, path):
+            log = chosen.read(path, mapping)
+        return require_kind(log, RenderLog, name, path)
 
 
 def log_format_of(path: Path) -> str:
@@ -70,8 +77,13 @@ def log_format_of(path: Path) -> str:
         reason = getattr(error, "strerror", None) or error
         message = f"expected a file that can be read, got {reason}; check the path"
         raise InputError(message, path=path) from error
+    refuse_known_tool(head, path)
     name = next(name for name in LOG_FORMATS if _recognises(name, head, path))
-    if name in {"capframex", "csv"} and head.text.startswith(("[", "{")) and '"ph"' in head.text:
+    if (
+        name in {"capframex", "json", "csv"}
+        and head.text.startswith(("[", "{"))
+        and '"ph"' in head.text
+    ):
         message = "expected a render log, got Chrome trace events, which have no table of frames"
         raise InputError(f"{message}; export the counters as CSV", path=path)
     return name

@@ -13,6 +13,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, frozen_array
 from ...base.errors import InputError
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from .timings import FrameTimings
 
 TimeName = Literal["frame_ms", "gpu_ms", "cpu_ms"]
 
@@ -41,6 +42,27 @@ class Rejection:
         return f"{self.count} {self.reason}"
 
 
+@dataclass(frozen=True, slots=True)
+class ColumnSource:
+    """Where a column of a log comes from.
+
+    Attributes
+    ----------
+    name : as lodbench calls it
+    source : the column of the file, or how it is calculated
+    unit : of the file, as ``us``, ``count``, or ``count x 1e+06``
+    why : how the unit was found, '' where the name says it
+    """
+
+    name: str
+    source: str
+    unit: str
+    why: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} is {self.source} in {self.why or self.unit}"
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RenderLog:
     """One value of each column per frame, in the order of the file.
@@ -57,6 +79,10 @@ class RenderLog:
         Time of the frame on the log's own clock.
     header : pairs of key and value from the file's comments or metadata
     notes : what the reader assumed or left aside, one sentence each
+    warnings : of the notes, those that a user should act on
+    sources : where each column comes from
+    unused : columns of numbers in the file that serve nothing
+    timings : what a tool that times presents measured of them, or None
     """
 
     name: str
@@ -69,6 +95,10 @@ class RenderLog:
     time_s: FloatArray | None = None
     header: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    sources: tuple[ColumnSource, ...] = ()
+    unused: tuple[str, ...] = ()
+    timings: FrameTimings | None = None
 
     def __post_init__(self) -> None:
         frames, width = len(self.counts), len(self.predictors)

@@ -44,6 +44,7 @@ class FrameTimings:
     input_to_photon_ms : S - time of the earliest input that the frame shows
     header : pairs of key and value that the file says of itself
     notes : what the reader chose, decoded or left aside
+    generated : frames of a driver's generation, which are left aside
     """
 
     dialect: str
@@ -68,6 +69,7 @@ class FrameTimings:
     input_to_photon_ms: FloatArray
     header: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
+    generated: int = 0
 
     def __post_init__(self) -> None:
         rows = len(self.present_s)
@@ -103,6 +105,7 @@ def complete_timings(
     swap_chain: str,
     header: tuple[tuple[str, str], ...] = (),
     notes: tuple[str, ...] = (),
+    generated: int = 0,
 ) -> FrameTimings:
     """Return timings with everything that follows from what is known.
 
@@ -138,6 +141,7 @@ def complete_timings(
         dropped=dropped,
         header=header,
         notes=notes,
+        generated=generated,
         **columns,
     )
 

@@ -53,9 +53,9 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
     held = [name for name in wanted if all(name in log.predictors for log in logs)]
     if not held:
         raise InputError(
-            f"{logs[0].name}: expected at least one of the predictors {', '.join(wanted)}, got a "
-            f"{logs[0].format} log with none of them, so that no cost can be fitted; log what was "
-            "drawn beside the times, or map the columns that hold it"
+            f"{logs[0].name}: expected at least one of the predictors {', '.join(wanted[:3])}…, "
+            f"got a {logs[0].format} log with none of them, so that no cost can be fitted; "
+            f"{_instead(logs[0])}"
         )
     usable = [
         name for name in held if _usable(np.concatenate([log.columns([name]) for log in logs]))
@@ -66,6 +66,12 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
             f"{', '.join(held)}; log a walk through different views"
         )
     return tuple(usable)
+
+
+def _instead(log: RenderLog) -> str:
+    """Return what to do about a log without predictors: what its reader says, or in general."""
+    general = "log what was drawn beside the times, map the columns that hold it, or --join a log"
+    return next((text for text in log.warnings if "for a cost model" in text), general)
 
 
 def _usable(column: FloatArray) -> bool:

@@ -17,13 +17,16 @@ def provenance(results: Results) -> tuple[Table]:
 def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     c, s, made = comparison.conditions, comparison.sampling, comparison.provenance
     measured = "assumed, not measured" if c.hardware_assumed else "measured or published"
+    pacing = f"pacing {c.pacing}"
+    if c.latency_limit:
+        pacing += f", latency limit {c.latency_limit}"
     if made.command:
         yield "command", made.command
     yield "scene", f"{comparison.scene}, {c.nodes:,} nodes"
     yield "paths", describe_paths(comparison)
     yield "hardware", f"{comparison.hardware}: {measured}; {c.hardware_source}"
     yield "display", f"{c.display}, {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
-    yield "pipeline", f"{c.frames_in_flight} frames in flight, fovy {c.fovy_deg:g}°"
+    yield "pipeline", f"{c.frames_in_flight} frames in flight, {pacing}, fovy {c.fovy_deg:g}°"
     yield "cross-fade", f"{c.crossfade_ms:g} ms"
     yield "timers", f"read {c.measurement_delay} frames after completion"
     yield "budget", f"{comparison.budget_ms:.6g} ms, exceeded for {comparison.miss:.2%} at most"

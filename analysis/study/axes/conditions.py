@@ -21,7 +21,7 @@ DEFAULTS: dict[str, Any] = {
 } | {"budget_ms": None}
 """What a replay has unless a study says otherwise; a budget of None is one refresh."""
 
-MACHINE = ("display", "refresh_hz", "frames_in_flight")
+MACHINE = ("display", "refresh_hz", "frames_in_flight", "pacing", "latency_limit")
 """What may be otherwise than a profile has it; None leaves it."""
 
 

@@ -27,7 +27,7 @@ class StudyInputs:
     profiles : dict of str to HardwareProfile
         By what the axis of hardware calls them.
     machines : dict of tuple to HardwareProfile
-        By hardware, display mode, refresh rate and frames in flight.
+        By hardware and what `MACHINE` names.
     loaded : dict of str to object
         What `load` has loaded, and the machines, by content hash.
     names : dict of str to str

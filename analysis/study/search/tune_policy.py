@@ -115,7 +115,7 @@ def tune_policy(
         better=better,
         answer=answer(shipped, found, gain, better=better),
         policy_line=policy_text(spec.name, winner.params),
-        provenance=make_provenance(bench, settings.command),
+        provenance=make_provenance(bench, settings.margin, settings.command),
     )
 
 
@@ -213,7 +213,7 @@ def _trial(spec: PolicySpec, searched: _Searched, budget_ms: float) -> Trial:
     if (failure := searched.failures.get(label)) is not None:
         return Trial(label, spec.params, failure.kind, str(failure))
     judged = searched.tried[label].judged
-    _, error, pops, work = (_mean(judged, name) for name in ORDER)
+    _, error, pops, _, work = (_mean(judged, name) for name in ORDER)
     return Trial(
         label=label,
         params=spec.params,

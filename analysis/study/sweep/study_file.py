@@ -14,7 +14,7 @@ from ....base.files.strict_toml import TomlDocument, read_toml
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import parse_policy
 from ....sim.faults import parse_faults
-from ..axes.conditions import option_axis
+from ..axes.conditions import MACHINE, option_axis
 from ..axes.parameters import column_of, param_axis
 from ..axes.values import count_range, step_range
 from ..inputs import parse_seconds
@@ -30,10 +30,10 @@ _OPTIONS = (
     *("budget_ms", "fovy_deg", "crossfade_ms", "measurement_delay", "faults"),
     *("bound_every", "memory_bytes", "visible_px"),
 )
-_MACHINE = ("display", "refresh_hz", "frames_in_flight")
+_NAMES = ("display", "pacing")
 _COUNTED = ("draws", "seeds")
 _SINGLE = ("seconds", "warmup_s", "place")
-KEYS = ("policies", *_NAMED, *_MACHINE, *_OPTIONS, *_COUNTED, *_SINGLE, "exclude")
+KEYS = ("policies", *_NAMED, *MACHINE, *_OPTIONS, *_COUNTED, *_SINGLE, "exclude")
 """What the top of a study may have."""
 
 
@@ -92,9 +92,10 @@ class _Reader:
         """Return one value of a condition: ``none`` and ``mean`` are what they stand for."""
         if key == "faults":
             return parse_faults("" if value == "none" else str(value))
-        if value == ("mean" if key == "draws" else "none"):
+        # Of pacing, none is one of its kinds.
+        if key != "pacing" and value == ("mean" if key == "draws" else "none"):
             return None
-        if key != "display" and isinstance(value, str):
+        if key not in _NAMES and isinstance(value, str):
             self._document.fail(key, f"{key}: expected a number, got {value!r}; write a number")
         return value
 

@@ -22,6 +22,8 @@ def conditions() -> Conditions:
         display="vsync",
         refresh_hz=50.0,
         frames_in_flight=2,
+        pacing="none",
+        latency_limit=0,
         budget_ms=10.0,
         seed=0,
         seeds=2,

@@ -72,6 +72,18 @@ def test_a_budget_of_none_is_one_refresh() -> None:
     assert [machine.display.refresh_hz for machine in machines][1:] == [100, 50]
 
 
+def test_pacing_is_an_axis_and_part_of_what_a_run_is() -> None:
+    """Machines that pace otherwise are other machines, by their content."""
+    study = Study("full", pacing=["none", "just-in-time"], latency_limit=[None, 0])
+    assert cells_of(study, "pacing", "latency_limit") == [
+        ("none", None), ("none", 0), ("just-in-time", None), ("just-in-time", 0),
+    ]  # fmt: skip
+    assert len({run.hardware for run in study.runs()}) == 4
+    displays = [study.inputs[run.hardware].display for run in study.runs()]
+    assert [display.pacing for display in displays] == ["none"] * 2 + ["just-in-time"] * 2
+    assert [display.latency_limit for display in displays] == [2, 0, 2, 0]
+
+
 def test_draws_are_those_that_each_profile_has() -> None:
     """A number of draws is spread over a posterior; a profile without one plays its mean."""
     study = Study("full", hardware=["desktop-assumed", "llvmpipe"], draws=2)
@@ -180,6 +192,7 @@ def test_the_digest_is_of_what_is_run() -> None:
         ({"seeds": 0}, "seed: expected one value or more, got none"),
         ({"draws": [2]}, "draw"),
         ({"display": "vsnyc"}, "display mode: expected immediate"),
+        ({"pacing": ["none", "slow"]}, "pacing: expected none, limiter, just-in-time, got slow"),
         ({"seeds": range(3_000_000), "budget_ms": [8, 9, 10, 11]}, "got 12,000,000; take fewer"),
     ],
 )

@@ -169,7 +169,7 @@ def test_a_frame_is_what_is_fixed_and_its_objects(make_levels: MakeLevels) -> No
     view = Seen(area, 0.4 * area, np.array([1.0, 0.5, 0.1, 1.0]))
     price = costs.frame(row, view, 1000.0, fraction=fraction, pixel_share=0.5)
     objects_ms = costs.objects_ms(row, view, fraction=fraction, pixel_share=0.5)
-    assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2) + objects_ms.sum(), rel=1e-12)
+    assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2, 4) + objects_ms.sum(), rel=1e-12)
 
 
 def test_rasterized_triangles_by_simulation() -> None:

@@ -25,6 +25,10 @@ P = len(GPU_PREDICTORS)
         ({"refresh_hz": math.nan}, "expected 0 < vrr_min_hz <= refresh_hz"),
         ({"vrr_min_hz": 90.0}, "expected 0 < vrr_min_hz <= refresh_hz"),
         ({"vrr_min_hz": 0.0}, "expected 0 < vrr_min_hz <= refresh_hz"),
+        ({"pacing": "slow"}, "pacing: expected none, limiter, just-in-time, got slow"),
+        ({"limiter_hz": -1.0}, "limiter_hz: expected 0 .the refresh. to 1e5, got -1.0"),
+        ({"latency_limit": 17}, "latency_limit: expected 0 to 16, got 17"),
+        ({"latency_limit": 1.5}, "latency_limit: expected a whole number"),
         ({"width_px": 0}, "display: expected positive size, got 0x720"),
     ],
 )

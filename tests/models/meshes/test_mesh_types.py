@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from lodbench import InputError
+from lodbench.models.meshes.authored_levels import group_levels
 from lodbench.models.meshes.mesh_error import Sampling
 from lodbench.models.meshes.mesh_types import MeshUnits, read_types
 from lodbench.models.meshes.simplify import ChainOptions
@@ -32,7 +33,7 @@ def slab(tmp_path: Path) -> Path:
 )
 def test_sizes(units: MeshUnits, size: list[float], slab: Path) -> None:
     """Height or unit sets the scale; the up axis turns the box."""
-    (model,) = read_types([slab], units, ChainOptions(), Sampling(10, 10))
+    (model,) = read_types(group_levels([slab]), units, ChainOptions(), Sampling(10, 10))
     assert np.ptp(model.meshes[0].vertices, axis=0) == pytest.approx(size)
     assert model.meshes[0].vertices[:, 2].min() == 0.0
 
@@ -41,7 +42,7 @@ def test_the_refused_mesh_is_named(slab: Path, tmp_path: Path) -> None:
     """The error carries the path of the mesh that is at fault, after good ones."""
     flat = tmp_path / "flat.obj"
     flat.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")
-    types = read_types([slab, flat], MeshUnits(), ChainOptions(), Sampling(10, 10))
+    types = read_types(group_levels([slab, flat]), MeshUnits(), ChainOptions(), Sampling(10, 10))
     assert next(types).name == "slab"
     with pytest.raises(InputError, match=r"flat\.obj: mesh flat: expected a height"):
         next(types)

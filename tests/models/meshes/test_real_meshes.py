@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lodbench.models.meshes.authored_levels import group_levels
 from lodbench.models.meshes.mesh_error import ErrorMeter, Sampling
 from lodbench.models.meshes.mesh_file import load_mesh
 from lodbench.models.meshes.mesh_types import MeshUnits, read_types
@@ -30,7 +31,7 @@ MESHES = (
 def test_errors_are_sane(name: str, data_dir: Path) -> None:
     """Each mesh, 2 m tall, has a chain whose error rises from 0 and stays below its radius."""
     path = data_dir / "meshes" / name
-    (model,) = read_types([path], MeshUnits(), ChainOptions(), Sampling())
+    (model,) = read_types(group_levels([path]), MeshUnits(), ChainOptions(), Sampling())
     triangles = model.counts[:, 2]
     assert len(triangles) >= 4
     assert (np.diff(triangles) < 0).all()

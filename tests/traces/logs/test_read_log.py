@@ -115,13 +115,11 @@ LAST = OWN.splitlines()[-1]
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (OWN[:-7], "expected 7 columns as in the header, got 6; the file is cut off"),
-        (OWN.replace(LAST, LAST.replace(",", ";")), "delimiter of the header, ','"),
-        (OWN.replace("68.4\n", '"68,4"\n'), "decimal comma"),
+        (OWN.split("0,0.0", 1)[0] + LAST.replace(",", ";"), "delimiter of the header, ','"),
         (OWN.split("\n", 2)[2], "expected a header row"),
         (OWN.replace("cpu_ms", "gpu_ms"), "one column gpu_ms, got 2"),
         (OWN.split("0,0.0", 1)[0], "rows below the header, got none"),
-        (OWN.replace("_ms", ""), "a column with a time"),
+        (OWN.replace("_ms", "").replace("time_s", "where"), "a column with a time"),
         ("", "empty file"),
         (OWN + "\0\1\2", "zero byte"),
         (OWN.encode() + b"\xff\xfe\xfa", "expected UTF-8 text, got byte 0xff"),
@@ -135,6 +133,13 @@ def test_each_damage_has_one_clear_line(tmp_path: Path, content: str | bytes, sa
         read_render_log(path)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_log_that_is_cut_off_is_read_as_far_as_it_goes(tmp_path: Path):
+    """The last row, of which the last number may be cut too, is left aside and that is said."""
+    log = read_render_log(log_file(tmp_path, OWN[:-7]))
+    assert len(log) == 1
+    assert "the last row is cut off and left aside" in log.warnings
 
 
 starts = st.sampled_from(
@@ -174,7 +179,7 @@ def test_only_input_errors_come_out_of_any_bytes(
 
 @pytest.mark.slow
 def test_a_million_rows_are_read_in_seconds(tmp_path: Path):
-    """A 60 MB log is read in under 10 s, and its broken last line still found exactly."""
+    """A 60 MB log is read in under 10 s, and with a broken last line too, if more slowly."""
     row = "1,0.0167,134,746014,68.3834,36.2575,68.4175\n"
     header = "\n".join(OWN.splitlines()[:2]) + "\n"
     path = log_file(tmp_path, header + row * 1_000_000)
@@ -183,9 +188,7 @@ def test_a_million_rows_are_read_in_seconds(tmp_path: Path):
     assert time.perf_counter() - start < 10.0
     with path.open("a") as file:
         file.write("1,2\n")
-    with pytest.raises(InputError, match="got 2; the file is cut off") as caught:
-        read_render_log(path)
-    assert caught.value.line == 1_000_003
+    assert len(read_render_log(path)) == 1_000_001
 
 
 @pytest.mark.realdata

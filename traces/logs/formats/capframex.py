@@ -202,8 +202,9 @@ def _list(values: FloatArray) -> _Numbers:
 
 
 def _recognises(head: LogHead) -> bool:
-    first = head.lines[0] if head.lines else ""
-    return first.startswith("{") or (first.startswith("//") and is_presentmon(head.header))
+    if head.text.startswith("{"):
+        return '"CaptureData"' in head.text or '"Runs"' in head.text
+    return head.text.startswith("//") and is_presentmon(head.header)
 
 
 FORMAT = LogFormat(

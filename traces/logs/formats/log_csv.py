@@ -9,28 +9,48 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..log_build import build_log
+from ..log_build import LogText, build_log
 from ..log_columns import find_columns
 from ..log_format import Columns, LogFormat
-from ..log_table import read_log_bytes, split_table
+from ..log_table import LogTable, read_log_bytes, split_table
 from ..render_log import RenderLog
 
 
 def read_csv_log(path: Path, mapping: Columns = None) -> RenderLog:
-    """Return the log in a CSV; mapped columns go before those known by an alias.
+    """Return the log in a CSV; mapped columns go before those known by the words of their names.
 
-    Raises `InputError` if no column holds a time, or a row is broken.
+    Raises `InputError` if no column holds a time, its unit is in doubt, or there are no numbers.
     """
-    table = split_table(read_log_bytes(path), path)
-    columns, notes = find_columns(table.header, mapping, path=path, line=table.first_line - 1)
-    return build_log(
-        table.numbers([column.index for column in columns]),
-        columns,
-        name=path.stem,
-        log_format="csv",
-        header=header_pairs(table.comments),
-        notes=notes,
-    )
+    return log_of_table(split_table(read_log_bytes(path), path), mapping, "csv")
+
+
+def log_of_table(
+    table: LogTable,
+    mapping: Columns,
+    log_format: str,
+    *,
+    unit: str = "",
+    twins: bool = False,
+    header: tuple[tuple[str, str], ...] = (),
+    notes: tuple[str, ...] = (),
+) -> RenderLog:
+    """Return the log in a table whose columns are found by name; raises as `read_csv_log`.
+
+    Parameters
+    ----------
+    unit, twins
+        As `build_log` and `find_columns`.
+    header
+        What is known of the log, beside the comments of the table.
+    """
+    line = table.first_line - 1
+    found = find_columns(table.header, mapping, path=table.path, line=line, twins=twins)
+    values, odd = table.measure([column.index for column in found.columns])
+    names = {index: name for index, name in found.unused if name}
+    unused = tuple(names[index] for index in table.numeric(list(names)))
+    pairs = (*header, *header_pairs(table.comments))
+    text = LogText(pairs, notes, odd, unused)
+    return build_log(values, found, text, path=table.path, log_format=log_format, unit=unit)
 
 
 def header_pairs(comments: Sequence[str]) -> tuple[tuple[str, str], ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....base.errors import InputError
 from ....base.files.parquet_file import ParquetColumns
-from ..log_build import build_log
+from ..log_build import LogText, build_log
 from ..log_columns import find_columns
 from ..log_format import Columns, LogFormat
 from ..render_log import RenderLog
@@ -24,17 +24,14 @@ def read_parquet_log(path: Path, mapping: Columns = None) -> RenderLog:
     Raises `InputError` if the file is damaged, no column holds a time, or one is not of numbers.
     """
     table = ParquetColumns(path)
-    columns, notes = find_columns(table.names, mapping, path=path, line=None)
+    found = find_columns(table.names, mapping, path=path, line=None)
     if len(table) == 0:
         raise InputError("expected at least one frame, got none", path=path)
-    return build_log(
-        np.column_stack([table.numbers(column.source) for column in columns]),
-        columns,
-        name=path.stem,
-        log_format="parquet",
-        header=header_pairs([table.text(HEADER_KEY)]),
-        notes=notes,
-    )
+    values = np.column_stack([table.numbers(column.source) for column in found.columns])
+    numeric = set(table.numeric_names)
+    unused = tuple(name for _, name in found.unused if name in numeric)
+    text = LogText(header_pairs([table.text(HEADER_KEY)]), unused=unused)
+    return build_log(values, found, text, path=path, log_format="parquet")
 
 
 FORMAT = LogFormat(

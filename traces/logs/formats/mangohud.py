@@ -17,12 +17,14 @@ import numpy as np
 
 from ....base.arrays import FloatArray
 from ....base.errors import InputError
+from ..log_cells import number_of
 from ..log_format import LogFormat, LogHead
 from ..log_table import LogTable, log_lines, read_log_bytes, split_table
-from ..render_log import RenderLog
+from ..render_log import ColumnSource, RenderLog
 
 _SYSTEM = "os,cpu,gpu,"
 _HEADER_WITHIN = 12  # lines
+_NARROWEST, _WIDEST = 8, 17  # columns, of 0.6 and of 0.8.4
 
 
 def read_mangohud(path: Path) -> RenderLog:
@@ -37,11 +39,16 @@ def read_mangohud(path: Path) -> RenderLog:
         message = "expected a log with one row a frame, got MangoHud's summary; give the log itself"
         raise InputError(message, path=path, line=1)
     at = next((i for i, line in enumerate(lines) if line.startswith("fps,")), None)
+    if at is None and _is_headless(lines[0]):
+        names = ["fps", "frametime", *(f"column {i}" for i in range(3, lines[0].count(",") + 1))]
+        data, at = f"{','.join([*names, 'elapsed'])}\n".encode() + data, 0
+        lines = []
     if at is None:
         message = "expected a header that begins with fps below the system's description"
         raise InputError(f"{message}, got none; is the file cut off?", path=path, line=len(lines))
     table = split_table(data, path, skip=at)
     frame_ms, note = _frame_ms(table)
+    notes = (note,) if lines else (note, "no header: columns are by their places")
     elapsed = [table.header.index("elapsed")] if "elapsed" in table.header else []
     return RenderLog(
         name=path.stem,
@@ -51,7 +58,10 @@ def read_mangohud(path: Path) -> RenderLog:
         frame_ms=frame_ms,
         time_s=table.numbers(elapsed)[:, 0] / 1e9 if elapsed else None,
         header=_system(lines[:at]),
-        notes=(note,),
+        notes=notes,
+        sources=(
+            ColumnSource("frame_ms", "frametime" if "frametime" in table.header else "fps", "ms"),
+        ),
     )
 
 
@@ -82,8 +92,22 @@ def _system(lines: Sequence[str]) -> tuple[tuple[str, str], ...]:
 
 
 def _recognises(head: LogHead) -> bool:
-    marks = (_SYSTEM, "0.1% Min FPS")  # of a log, and of a summary, which is refused
-    return any(line.startswith(marks) for line in head.lines[:_HEADER_WITHIN])
+    marks = (_SYSTEM, "0.1% Min FPS", "fps,frametime,")  # the second of a summary, refused
+    if any(line.startswith(marks) for line in head.lines[:_HEADER_WITHIN]):
+        return True
+    return len(head.lines) > 1 and all(map(_is_headless, head.lines[:2]))
+
+
+def _is_headless(line: str) -> bool:
+    """Return whether a row without a header is MangoHud's: a dozen numbers, fps and its inverse."""
+    fields = line.split(",")
+    if not _NARROWEST <= len(fields) <= _WIDEST:
+        return False
+    numbers = [number_of(field, "thousands") for field in fields]
+    if any(number is None for number in numbers):
+        return False
+    fps, frametime = (number or 0.0 for number in numbers[:2])
+    return any(0.97 < fps * frametime / second < 1.03 for second in (1e3, 1e6))
 
 
 FORMAT = LogFormat(

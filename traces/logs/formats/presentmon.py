@@ -15,7 +15,6 @@ for.  Frames that a driver generated (``FrameType``) are left aside and counted.
 Source: GameTechDev/PresentMon 2.5.1, README-ConsoleApplication and ``mc/*.cpp``.
 """
 
-import csv
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -27,9 +26,10 @@ from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.files.text_file import read_encoded
 from ..log_format import LogFormat
-from ..log_table import LogTable, split_table
+from ..log_table import LogTable, repeated_headers, split_table
 from ..log_timings import log_from_timings
-from ..presentmon_clock import present_clock
+from ..presentmon_clock import CPU_CLOCKS, PRESENT_CLOCKS, present_clock
+from ..table_cut import cut_to
 from ..timings import FrameTimings, complete_timings
 
 _COLUMNS = {
@@ -53,7 +53,14 @@ _COLUMNS = {
 }
 _STREAM = ("application", "processid", "swapchainaddress")
 _GENERATED = ("intel", "amd")
-_OCAT_HARDWARE = "motherboard"
+_USED = frozenset(
+    (
+        *(alias for aliases in _COLUMNS.values() for alias in aliases),
+        *(*_STREAM, "frametype", *PRESENT_CLOCKS, *CPU_CLOCKS),
+    )
+)
+"""Columns that a row must reach; OCAT's about the hardware, which only its first row has, are not.
+"""
 
 
 def is_presentmon(header: Sequence[str]) -> bool:
@@ -101,24 +108,11 @@ def open_present_table(path: Path) -> tuple[LogTable, tuple[str, ...]]:
         message = f"expected commas between columns, got {table.delimiter!r}; export it with commas"
         raise InputError(message, path=path, line=line)
     twice = [name for name, count in Counter(_names(table)).items() if count > 1]
-    if twice:
+    if any(name in _USED for name in twice):
         raise InputError(
             f"expected each column once, got {twice[0]} twice; remove one", path=path, line=line
         )
-    return _without_hardware(table), notes
-
-
-def _without_hardware(table: LogTable) -> LogTable:
-    """Drop OCAT's columns about the hardware, which only the first row has."""
-    names = _names(table)
-    if _OCAT_HARDWARE not in names:
-        return table
-    width = names.index(_OCAT_HARDWARE)
-    first, _, rest = table.body.partition(b"\n")
-    fields = next(csv.reader([first.decode()]))
-    if len(fields) == len(names):
-        first = ",".join(fields[:width]).encode()
-    return replace(table, header=table.header[:width], body=first + b"\n" + rest)
+    return table, notes
 
 
 def _names(table: LogTable) -> list[str]:
@@ -127,7 +121,7 @@ def _names(table: LogTable) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """Line, stream and FrameType of every row."""
+    """Line, stream and FrameType of every row of one capture."""
 
     lines: list[int]
     streams: list[tuple[str, ...]]
@@ -141,6 +135,10 @@ def read_present_table(
     dialect: str | None = None,
 ) -> FrameTimings:
     """Return the timings of one stream of a table; raises InputError as `read_presentmon`."""
+    again = repeated_headers(table)
+    used = [place for place, name in enumerate(_names(table)) if name in _USED]
+    table, odd = cut_to(table, used)
+    table, appended = _one_capture(table, again)
     rows = _scan(table)
     if not rows.lines:
         message = (
@@ -153,10 +151,17 @@ def read_present_table(
         raise InputError(
             "expected frames of the application, got generated frames only", path=table.path
         )
-    known = _numbers(table, rows.lines, chosen)
+    known, cells = _numbers(table, chosen)
     lines = [rows.lines[i] for i in chosen]
-    known["present_s"] = present_clock(table, known, chosen, lines)
+    clock = present_clock(table, known, chosen, lines)
+    timed = np.isfinite(clock)
+    known = {name: values[timed] for name, values in (known | {"present_s": clock}).items()}
+    untimed = int((~timed).sum())
+    lost = (f"{untimed} rows without a time are left aside",) if untimed else ()
     application, process, swap_chain = stream
+    made = sum(
+        key == stream and made for key, made in zip(rows.streams, rows.generated, strict=True)
+    )
     return complete_timings(
         known,
         _dropped(known),
@@ -164,8 +169,23 @@ def read_present_table(
         application=application,
         process_id=int(process) if process.isdecimal() else -1,
         swap_chain=swap_chain,
-        notes=(*notes, *_stream_notes(rows, stream)),
+        notes=(*notes, *odd, *appended, *cells, *lost, *_stream_notes(rows, stream, made)),
+        generated=made,
     )
+
+
+def _one_capture(table: LogTable, again: list[int]) -> tuple[LogTable, tuple[str, ...]]:
+    """Return the longest capture of a file to which several were appended, each with its header."""
+    if not again:
+        return table, ()
+    lines = table.body.split(b"\n")
+    bounds = [0, *(line - table.first_line for line in again), len(lines)]
+    starts = range(len(bounds) - 1)
+    best = max(starts, key=lambda k: sum(map(bool, lines[bounds[k] : bounds[k + 1]])))
+    low, high = bounds[best], bounds[best + 1]
+    kept = [text if low <= at < high else b"" for at, text in enumerate(lines)]
+    note = f"{len(bounds) - 1} captures in one file; read number {best + 1}, the longest"
+    return replace(table, body=b"\n".join(kept)), (note,)
 
 
 def _scan(table: LogTable) -> _Rows:
@@ -207,7 +227,7 @@ def _is_beside(stream: tuple[str, ...]) -> bool:
     return application.lower() == "dwm.exe" or not swap_chain.lower().removeprefix("0x").strip("0")
 
 
-def _stream_notes(rows: _Rows, stream: tuple[str, ...]) -> tuple[str, ...]:
+def _stream_notes(rows: _Rows, stream: tuple[str, ...], generated: int) -> tuple[str, ...]:
     notes: list[str] = []
     others = len(set(rows.streams)) - 1
     if others:
@@ -215,14 +235,12 @@ def _stream_notes(rows: _Rows, stream: tuple[str, ...]) -> tuple[str, ...]:
         notes.append(
             f"read {' '.join(stream)}, {count} of {len(rows.lines)} rows; {others} other streams"
         )
-    pairs = zip(rows.streams, rows.generated, strict=True)
-    generated = sum(key == stream and made for key, made in pairs)
     if generated:
         notes.append(f"left aside {generated} frames that the driver generated")
     return tuple(notes)
 
 
-def _numbers(table: LogTable, lines: list[int], chosen: list[int]) -> dict[str, FloatArray]:
+def _numbers(table: LogTable, chosen: list[int]) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
     names = _names(table)
     places = {
         raw: names.index(alias)
@@ -230,26 +248,23 @@ def _numbers(table: LogTable, lines: list[int], chosen: list[int]) -> dict[str, 
         for alias in reversed(aliases)  # so that the first of those that are there stays
         if alias in names
     }
-    values = table.numbers(list(places.values()))[chosen]
-    infinite = np.argwhere(np.isinf(values)).tolist()
-    if infinite:
-        row, column = infinite[0]
-        message = (
-            f"expected a finite number in column {table.header[list(places.values())[column]]}, "
-            f"got {values[row, column]}; correct it"
-        )
-        raise InputError(message, path=table.path, line=lines[chosen[row]])
-    return dict(zip(places, values.T, strict=True))
+    values, notes = table.measure(list(places.values()))
+    return dict(zip(places, values[chosen].T, strict=True)), notes
 
 
 def _dropped(known: dict[str, FloatArray]) -> BoolArray:
+    """Return which presents were never shown; where Dropped says nothing, by the display's times.
+
+    FrameView writes Error for Dropped where it lost the present's events.
+    """
     rows = len(known["present_s"])
-    if "dropped" in known:
-        return known["dropped"] == 1.0
-    for name in ("displayed_ms", "until_displayed_ms"):
+    shown = np.ones(rows, dtype=np.bool_)
+    for name in ("until_displayed_ms", "displayed_ms"):
         if name in known:
-            return np.isnan(known[name])
-    return np.zeros(rows, dtype=np.bool_)
+            shown = known[name] > 0.0 if "dropped" in known else ~np.isnan(known[name])
+    if "dropped" not in known:
+        return ~shown
+    return np.where(np.isnan(known["dropped"]), ~shown, known["dropped"] == 1.0)
 
 
 def _dialect(table: LogTable) -> str:
@@ -260,7 +275,7 @@ def _dialect(table: LogTable) -> str:
 
 
 FORMAT = LogFormat(
-    "PresentMon and OCAT; times only",
+    "PresentMon, OCAT and FrameView; times only",
     lambda head: is_presentmon(head.header),
     lambda path, _: log_from_timings(read_presentmon(path), path.stem),
     predictors=False,

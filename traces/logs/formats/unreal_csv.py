@@ -11,19 +11,16 @@ Layout as in Unreal 4.19 to 5.5; written from files, not from the engine's sourc
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from ....base.errors import InputError
-from ..log_build import build_log
-from ..log_columns import find_columns
 from ..log_format import Columns, LogFormat, LogHead
 from ..log_table import LogTable, read_log_bytes, split_table
 from ..render_log import RenderLog
+from .log_csv import log_of_table
 
-_THREADS = ("GameThreadTime", "RenderThreadTime", "RHIThreadTime")
+_THREADS = ("GameThreadTime", "RenderThreadTime")
 _AT_END = "HasHeaderRowAtEnd"
 _EVENTS = "EVENTS"
 
@@ -34,24 +31,15 @@ def read_unreal_csv(path: Path, mapping: Columns = None) -> RenderLog:
     Raises `InputError` if the file has no rows, no known time, or no number where one is expected.
     """
     capture = _split(read_log_bytes(path), path)
-    table, line = capture.table, capture.table.first_line - 1
-    columns, notes = find_columns(table.header, mapping, path=path, line=line, twins=True)
-    threads = [name for name in _THREADS if name in table.header]
-    log = build_log(
-        table.numbers([column.index for column in columns]),
-        columns,
-        name=path.stem,
-        log_format="unreal",
+    return log_of_table(
+        capture.table,
+        mapping,
+        "unreal",
+        unit="ms",
+        twins=True,
         header=capture.metadata,
-        notes=[*notes, *capture.notes, *_unseen(table.header)],
+        notes=(*capture.notes, *_unseen(capture.table.header)),
     )
-    if log.cpu_ms is not None or not threads:
-        return log
-    times = table.numbers([table.header.index(name) for name in threads])
-    busiest = np.where(np.isnan(times), -np.inf, times).max(axis=1)
-    busiest[np.isinf(busiest)] = np.nan
-    note = f"cpu_ms is the longest of {', '.join(threads)}"
-    return replace(log, cpu_ms=busiest, notes=(*log.notes, note))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +90,7 @@ def _unseen(header: Sequence[str]) -> list[str]:
 
 
 def _recognises(head: LogHead) -> bool:
-    return head.header[:1] == (_EVENTS,) or {*_THREADS[:2]} <= set(head.header)
+    return head.header[:1] == (_EVENTS,) or set(_THREADS) <= set(head.header)
 
 
 FORMAT = LogFormat("Unreal's CSV profiler", _recognises, read_unreal_csv)

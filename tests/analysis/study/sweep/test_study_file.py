@@ -98,6 +98,7 @@ def test_a_file_is_the_study_that_it_says(folder: Path, monkeypatch: pytest.Monk
 def test_a_file_and_python_make_the_same_runs(folder: Path) -> None:
     """The same axes in Python have the same digests, so that either goes on where the other was."""
     text = 'policies = ["full", "feedback:target=0.8"]\nbudget_ms = [8, 16]\ndisplay = "vsync"\n'
+    text += 'pacing = ["none", "limiter"]\nlatency_limit = 1\n'
     of_file = read_study(
         write(folder, text + 'faults = ["none", "missing=0.1"]\nseconds = ":3"\nwarmup_s = 0.5\n')
     )
@@ -107,6 +108,8 @@ def test_a_file_and_python_make_the_same_runs(folder: Path) -> None:
         ["full", "feedback:target=0.8"],
         budget_ms=[8, 16],
         display="vsync",
+        pacing=["none", "limiter"],
+        latency_limit=1,
         faults=[Faults(), Faults(missing=0.1)],
         seconds=(0.0, 3.0),
         warmup_s=0.5,

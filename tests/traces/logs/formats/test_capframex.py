@@ -94,8 +94,7 @@ def test_csv_with_header_lines(tmp_path: Path, present_logs: dict[str, str]) -> 
     assert timings.dialect == "capframex"
     assert timings.header == (("GameName", "game.exe"), ("GPU #", "1"), ("Comment", "a=b"))
     assert timings.gpu_busy_ms.tolist() == [7, 3, 5, 8]
-    with pytest.raises(InputError, match=r"record\.json:7: expected 18 columns"):
-        read(tmp_path, content.replace(",0,0.022,3", ",0,0.022"))
+    assert len(read(tmp_path, content.replace(",0,0.022,3", ",0,0.022"))) == 3
     with pytest.raises(InputError, match="expected run 0"):
         read(tmp_path, content, run=1)
 

@@ -1,0 +1,29 @@
+"""Percentile, maximum and visible share of errors, against a plain sort in every frame."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from lodbench.sim.accounting.screen_errors import ScreenErrors
+
+VISIBLE_PX = 1.0
+
+
+def test_errors_are_those_of_a_sort() -> None:
+    """However errors jump between frames, and where all or nearly all of them are 0."""
+    rng, errors = np.random.default_rng(4), ScreenErrors(VISIBLE_PX)
+    lens = SimpleNamespace(scale_px=np.full(60, 500.0), radius_m=np.full(60, 1.0))
+    for frame in range(200):
+        n = 60 if frame % 7 else 0
+        distance_m, area_px = rng.uniform(0.5, 200.0, 60), rng.uniform(1.0, 9.0, 60)
+        error_m = rng.uniform(0.0, 10.0 ** rng.integers(-4, 2), 60)
+        error_m[rng.random(60) < rng.choice([0.0, 0.5, 0.97, 1.0])] = 0.0
+        seen = SimpleNamespace(
+            lens=lens, camera=SimpleNamespace(near_m=0.1), distance_m=distance_m, nodes=object()
+        )
+        drawn: Any = SimpleNamespace(ids=range(n), error_m=error_m, seen=seen, area_px=area_px)
+        sse_px = np.sort(by_node := error_m * 500.0 / np.maximum(distance_m - 1.0, 0.1))
+        beyond_px = float((np.maximum(by_node - VISIBLE_PX, 0.0) * area_px).sum() / area_px.sum())
+        expected = (sse_px[56], sse_px[-1], beyond_px) if n else (0.0, 0.0, 0.0)
+        np.testing.assert_allclose(errors.of(drawn), expected, rtol=1e-12, atol=0.0)

@@ -1,0 +1,1 @@
+"""Traps of real logs that take more than a line to find."""
