@@ -20,6 +20,7 @@ from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
 _CHANGES_UNTIL_STUCK = 2  # as `policies.shared.reports` has it
+_HIDDEN = 0.01  # as there
 _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 
 
@@ -45,9 +46,7 @@ def faulty_timings_never_raise_detail(
             primitives[name] = share * (played.log["triangles"] + played.log["splats"])
             worse = primitives[name] > primitives["silent"] * (1.0 + _ROUNDING)
             if name == "stale":
-                most = np.maximum.accumulate(primitives[name])
-                worse[1:] &= most[1:] > most[:-1] * (1.0 + _ROUNDING)
-                worse &= np.cumsum(worse) > rises
+                worse = _rises(primitives[name], primitives["silent"]) > rises
             if worse.any():
                 at = int(worse.argmax())
                 return Failure(
@@ -55,6 +54,16 @@ def faulty_timings_never_raise_detail(
                     f"{primitives['silent'][at]:g} to {primitives[name][at]:g}",
                 )
     return None
+
+
+def _rises(primitives: FloatArray, silent: FloatArray) -> FloatArray:
+    """Return how often each frame and those before rose by what no timer can hide, (n,)."""
+    level, count, counts = 0.0, 0, list[float]()
+    for drawn, without in zip(primitives.tolist(), silent.tolist(), strict=True):
+        if drawn > (1.0 + _HIDDEN) * max(level, without):
+            level, count = drawn, count + 1
+        counts.append(count)
+    return np.array(counts)
 
 
 @promise(walks(*BUDGETS), "budget")

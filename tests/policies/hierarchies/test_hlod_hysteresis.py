@@ -35,7 +35,8 @@ def family(make_scene: Make, make_levels: Make) -> Callable[..., Scene]:
 
 
 def _started(scene: Scene, **parameters: Any) -> HlodHysteresis:
-    policy = HlodHysteresis(**{"unused": "lost", **parameters})
+    own: dict[str, Any] = {"unused": "lost", **parameters}  # the thesis' own, unless told
+    policy = HlodHysteresis(**own)
     policy.reset(scene, BUDGET_MS)
     return policy
 
