@@ -56,7 +56,7 @@ class Table:
     kind: ClassVar = "table"
     heads: Sequence[Cell | str]
     rows: Sequence[Sequence[Cell | str] | Across]
-    style: Literal["", "facts", "metrics", "strip", "ranking"] = ""
+    style: Literal["", "facts", "metrics", "ranking"] = ""
     name: str = ""
     folded: str = ""
 

@@ -83,7 +83,8 @@ def _every_metric(validation: Validation) -> Section:
             span = ", ".join(
                 filter(None, (format_value(item.simulated), format_span(item.low, item.high)))
             )
-            cells.append(Cell(format_value(item.measured), span, best=item.inside is True))
+            tone = "best" if item.inside is True else ""
+            cells.append(Cell(format_value(item.measured), span, tone))
         head = Cell(metric.id, hint=metric.definition)
         rows.append((head, metric.unit, *cells, rank_text(validation, metric.id)))
     heads = ("metric", "unit", *(policy.label for policy in validation.policies), "τ")

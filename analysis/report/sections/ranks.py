@@ -7,12 +7,21 @@ from ...metrics.metric_registry import find_metric
 from ...study.comparison_parts import PolicyResult
 from ..blocks import Block, Cell, Paragraph, Table, Terms
 from ..results import Results, section
-from ..summary import HEADLINE, MetricColumn, folded, keeps_text, knob_words, unscored
+from ..summary import (
+    HEADLINE,
+    MetricColumn,
+    behind_text,
+    folded,
+    keeps_text,
+    knob_words,
+    unscored,
+)
 from ..terminal_table import explain
 from ..values import ABSENT
 
 _KEEPS = "Probability that work time is within the budget on such paths; judged paths it kept"
 _FIRST = "Probability of coming first on another such set of paths"
+_BEHIND = "What told a policy from the rank before"
 _BY = "Work time at the judged quantile, over the budget"
 
 
@@ -29,7 +38,7 @@ def ranks(results: Results) -> tuple[Block, ...]:
     blocks: list[Block] = []
     if ranked:
         heads = ("rank", "policy", "knob", Cell("keeps", hint=_KEEPS), *_heads(),
-                 Cell("comes first", hint=_FIRST))  # fmt: skip
+                 Cell("comes first", hint=_FIRST), Cell("behind by", hint=_BEHIND))  # fmt: skip
         blocks.append(Table(heads, list(_ranked(results, ranked)), "ranking", "ranking"))
     if misses:
         words = f"{len(misses)} not surely within the budget, and by how much"
@@ -55,7 +64,7 @@ def _ranked(results: Results, policies: Sequence[PolicyResult]) -> Iterator[tupl
             tone="equal" if equal else "",
             value=float(place),
         )
-        yield rank, *_common(results, policy, _keeps(policy)), first
+        yield rank, *_common(results, policy, _keeps(policy)), first, behind_text(policy)
 
 
 def _missing(results: Results, policies: Sequence[PolicyResult], name: str, words: str) -> Table:
@@ -99,5 +108,11 @@ def _head(column: MetricColumn) -> Cell:
 
 def _terms() -> Terms:
     columns = ((" ".join(c.header.split()), find_metric(c.metric).definition) for c in HEADLINE)
-    words = (("keeps", _KEEPS), *columns, ("comes first", _FIRST), ("work / budget", _BY))
+    words = (
+        ("keeps", _KEEPS),
+        *columns,
+        ("comes first", _FIRST),
+        ("behind by", _BEHIND),
+        ("work / budget", _BY),
+    )
     return Terms("What the columns mean", words)

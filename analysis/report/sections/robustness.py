@@ -8,7 +8,10 @@ from ..results import Results, section
 
 @section("How far the first rank stands")
 def robustness(results: Results) -> tuple[Block, ...]:
-    """Read off the curves: nothing is replayed, and a machine's costs are taken to scale alike."""
+    """Read off the curves: nothing is replayed, and a machine's costs are taken to scale alike.
+
+    Costs that nobody measured are tried, too, where frame logs count what they are of.
+    """
     found = results.comparison.robustness
     if found is None:
         return (Paragraph("Not known: no policy has a curve over its knob.", "dim"),)
@@ -17,11 +20,17 @@ def robustness(results: Results) -> tuple[Block, ...]:
         f"{found.leader} stays in the first rank on machines of {low:.2g} to {high:.2g} times the "
         "speed, of half to twice that were looked at."
     )
-    heads = [f"{at.refresh_hz:g} Hz, {at.budget_ms:.4g} ms" for at in found.budgets]
-    first = [results.words(", ".join(at.first)) or "nobody" for at in found.budgets]
-    misses = [results.words(", ".join(at.misses)) or "–" for at in found.budgets]
-    rows = [("first rank", *first), ("does not reach it", *misses)]
-    return Plots([_strip(results, low, high, text)]), Table(("", *heads), rows, "strip")
+    rows = [
+        (f"{at.refresh_hz:g} Hz, {at.budget_ms:.4g} ms", at.first, at.misses)
+        for at in found.budgets
+    ]
+    rows += [(f"with {item.cost}", item.first, item.misses) for item in found.costs]
+    cells = [
+        (under, results.words(", ".join(first)) or "nobody", results.words(", ".join(miss)) or "–")
+        for under, first, miss in rows
+    ]
+    table = Table(("were it", "first rank", "does not reach it"), cells, "facts")
+    return Plots([_strip(results, low, high, text)]), table
 
 
 def _strip(results: Results, low: float, high: float, text: str) -> Plot:
