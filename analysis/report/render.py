@@ -18,6 +18,7 @@ SECTIONS = (
     "along_the_trace",
     "flicker",
     "worst_moments",
+    "cost_breakdown",
     "robustness",
     "slow_frames",
     "load_steps",

@@ -34,11 +34,11 @@ _UNIT_WIDTH, _VALUE_WIDTH = 44, 26
 
 
 def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) -> None:
-    """Print the run in one line, the answer, its table, and what the numbers mean."""
-    console.print(describe_run(comparison), style="bold")
+    """Print the answer, what was run, its table, and what the numbers mean."""
+    for place, sentence in enumerate(comparison.answer):
+        console.print(sentence, style="bold" if place == 0 else None, markup=False)
     console.print()
-    for sentence in comparison.answer:
-        console.print(sentence, soft_wrap=False, markup=False)
+    console.print(describe_run(comparison), style="dim", markup=False)
     for warning in comparison.warnings:
         console.print(f"warning: {warning}", style="yellow", markup=False)
     if comparison.ok and wide:
@@ -75,33 +75,41 @@ def explain(comparison: Comparison) -> str:
 
 
 def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table]":
-    """Return the headline, as many of its columns beside each other as fit."""
+    """Return the headline, as many of its columns beside each other as fit.
+
+    Knob and gate stand in the first table alone, so that a narrow terminal gets few.
+    """
     label_width = max(_LABEL_WIDTH, console.width - _NUMBERS_WIDTH)
     unbounded = console.options.update(max_width=1000)
     left = HEADLINE
     while left:
+        first = left is HEADLINE
         tables = [
-            _short_table(comparison, left[:count], label_width) for count in range(len(left), 0, -1)
+            _short_table(comparison, left[:count], label_width, gate=first)
+            for count in range(len(left), 0, -1)
         ]
         widths = (console.measure(table, options=unbounded).maximum for table in tables)
         skip = next((i for i, width in enumerate(widths) if width <= console.width), -1)
         shown = tables[skip]
         yield shown
-        left = left[len(shown.columns) - 4 :]
+        left = left[len(shown.columns) - (4 if first else 2) :]
 
 
 def _short_table(
     comparison: Comparison,
     columns: tuple[MetricColumn, ...],
     label_width: int,
+    *,
+    gate: bool,
 ) -> "Table":
     from rich.text import Text
 
     table = plain_table()
     table.add_column("rank", no_wrap=True)
     table.add_column("policy", overflow="fold", max_width=label_width)
-    table.add_column("knob", overflow="fold", max_width=_KNOB_WIDTH)
-    table.add_column("keeps", no_wrap=True, justify="right")
+    if gate:
+        table.add_column("knob", overflow="fold", max_width=_KNOB_WIDTH)
+        table.add_column("keeps", no_wrap=True, justify="right")
     for column in columns:
         table.add_column(column.header, justify="right", no_wrap=True)
     before: str | None = None
@@ -112,13 +120,9 @@ def _short_table(
         before = rank
         style = "bold green" if rank == "1" else ""
         cells = (column.text(policy) for column in columns)
-        names = (
-            f"{rank} {behind_text(policy)}".rstrip(),
-            Text(policy.label),
-            Text(knob_words(policy)),
-            keeps_text(policy),
-        )
-        table.add_row(*names, *cells, style=style)
+        names = (f"{rank} {behind_text(policy)}".rstrip(), Text(policy.label))
+        kept = (Text(knob_words(policy)), keeps_text(policy)) if gate else ()
+        table.add_row(*names, *kept, *cells, style=style)
     return table
 
 

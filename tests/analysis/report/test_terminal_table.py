@@ -111,6 +111,33 @@ def test_policies_of_one_reason_share_a_line(comparison: Comparison) -> None:
     assert "mine.py:OnlyTrees, other-trees: the scene is flat" in text
 
 
+def test_the_answer_comes_first(comparison: Comparison) -> None:
+    """A reader who stops after a line knows whom to take."""
+    text = " ".join(printed(comparison, 60).split())
+    assert text.startswith(comparison.answer[0])
+    assert max(len(line.rstrip()) for line in printed(comparison, 60).splitlines()[:8]) <= 60
+
+
+def test_sixty_columns_get_two_tables(comparison: Comparison) -> None:
+    """The second leaves out knob and gate, so that all other numbers stand beside each other."""
+    lines = printed(comparison, 60).splitlines()
+    heads = [line.split()[:3] for line in lines if line.startswith("rank ")]
+    assert [head[2] for head in heads][:1] == ["knob"]
+    assert len(heads) == 2
+    assert "knob" not in heads[1]
+
+
+def test_a_terminal_of_ascii_prints_no_other_lines(comparison: Comparison) -> None:
+    """Where only ASCII can be written, rules are of hyphens, and nothing fails."""
+    raw = io.BytesIO()
+    file = io.TextIOWrapper(raw, encoding="ascii", errors="replace")
+    print_comparison(comparison, Console(file=file, width=80, highlight=False), wide=False)
+    file.flush()
+    text = raw.getvalue().decode("ascii")
+    assert "---" in text
+    assert "─" not in text
+
+
 def test_table_says_what_was_replayed(comparison: Comparison) -> None:
     """Scene, trace, hardware that is assumed, budget and window are named."""
     text = printed(comparison, 100)

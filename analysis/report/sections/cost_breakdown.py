@@ -1,0 +1,81 @@
+"""Which term of the cost model costs what, by policy, on the first path."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ....base.arrays import FloatArray
+from ....sim.frame_log import CONSTANT
+from ...metrics.measured_frames import MeasuredFrames
+from ..blocks import Cell, Paragraph, Table
+from ..results import Results, section
+from ..values import ABSENT, format_value
+
+_LEAST_MS = 0.01
+"""A term that costs less in every policy's mean frame has no column."""
+
+
+@section("What costs what")
+def cost_breakdown(results: Results) -> tuple[Table] | tuple[Paragraph]:
+    """Milliseconds of a mean frame of the first path, by time, by what they are charged for.
+
+    Constant: what every frame costs, and what of the time is not proportional to a count.
+    """
+    costs = results.comparison.unit_costs
+    rows: list[tuple[Cell | str, ...]] = []
+    sides = [("gpu", costs.gpu), ("cpu", costs.cpu)]
+    means = {p.label: _mean_ms(results, p.label) for p in results.drawn}
+    terms = [
+        (side, name)
+        for side, unit_ms in sides
+        for name in unit_ms
+        if any(mean.get(f"{side} {name}", 0.0) >= _LEAST_MS for mean in means.values())
+    ]
+    if not terms:
+        return (Paragraph("Frame logs count nothing that costs.", "dim"),)
+    for policy in results.drawn:
+        cells: list[Cell | str] = [results.name_of(policy)]
+        for side, _ in sides:
+            cells.append(_cell(means[policy.label][side]))
+            of_side = [f"{side} {name}" for at, name in terms if at == side]
+            cells += [_cell(means[policy.label].get(term)) for term in of_side]
+            cells.append(_cell(means[policy.label][f"{side} constant"]))
+        rows.append(tuple(cells))
+    heads: list[Cell | str] = ["policy"]
+    for side, _ in sides:
+        heads.append(Cell(f"{side.upper()} ms"))
+        heads += [name.replace("_", " ") for at, name in terms if at == side]
+        heads.append("constant")
+    return (Table(heads, rows, name="costs"),)
+
+
+def _mean_ms(results: Results, label: str) -> dict[str, float]:
+    """Return the mean over time of each side, of each of its terms, and of what is left."""
+    run = MeasuredFrames(results.logs[label], *results.comparison.window_s[0])
+    weight = run.cost_weight_ms
+    if not weight.any():
+        weight = np.ones(len(run))
+    costs = results.comparison.unit_costs
+    found: dict[str, float] = {}
+    for side, unit_ms in (("gpu", costs.gpu), ("cpu", costs.cpu)):
+        found[side] = float(np.average(run[f"{side}_ms"], weights=weight))
+        terms = _terms_ms(run, unit_ms, weight)
+        found[f"{side} constant"] = found[side] - sum(terms.values())
+        found |= {f"{side} {name}": ms for name, ms in terms.items()}
+    return found
+
+
+def _terms_ms(
+    run: MeasuredFrames, unit_ms: Mapping[str, float], weight: FloatArray
+) -> dict[str, float]:
+    """Return what each counted term costs; those of constants, which no log counts, are left."""
+    means = {
+        name: ms * float(np.average(run[name], weights=weight))
+        for name, ms in unit_ms.items()
+        if name not in CONSTANT
+    }
+    return {name: ms for name, ms in means.items() if np.isfinite(ms)}
+
+
+def _cell(ms: float | None) -> Cell:
+    return Cell(ABSENT) if ms is None else Cell(format_value(ms), value=ms)
