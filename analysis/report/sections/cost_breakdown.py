@@ -24,7 +24,7 @@ def cost_breakdown(results: Results) -> tuple[Table] | tuple[Paragraph]:
     costs = results.comparison.unit_costs
     rows: list[tuple[Cell | str, ...]] = []
     sides = [("gpu", costs.gpu), ("cpu", costs.cpu)]
-    means = {p.label: _mean_ms(results, p.label) for p in results.drawn}
+    means = {p.label: mean_ms(results, p.label) for p in results.drawn}
     terms = [
         (side, name)
         for side, unit_ms in sides
@@ -49,7 +49,7 @@ def cost_breakdown(results: Results) -> tuple[Table] | tuple[Paragraph]:
     return (Table(heads, rows, name="costs"),)
 
 
-def _mean_ms(results: Results, label: str) -> dict[str, float]:
+def mean_ms(results: Results, label: str) -> dict[str, float]:
     """Return the mean over time of each side, of each of its terms, and of what is left."""
     run = MeasuredFrames(results.logs[label], *results.comparison.window_s[0])
     weight = run.cost_weight_ms

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.report import page, sections
 from lodbench.analysis.report.blocks import (
@@ -28,6 +29,8 @@ from lodbench.analysis.report.page import render_page
 from lodbench.analysis.report.palette import Ink, inks
 from lodbench.analysis.report.plots import Axis, Label, Mark, Plot, Plots, Row, Rule
 from lodbench.analysis.report.render import SECTIONS, render_report
+from lodbench.analysis.report.results import Results
+from lodbench.analysis.report.sections import cost_breakdown
 from lodbench.analysis.report.sections.the_answer import policy_spec
 from lodbench.analysis.report.series import envelope, stairs, tail, thinned
 from lodbench.analysis.study.compare import CompareSettings, compare
@@ -377,3 +380,19 @@ def test_stairs_and_thinning_by_hand() -> None:
     assert y.tolist() == [1.0, 0.5, 0.5, 0.25, 0.25]
     assert thinned(np.arange(3.0), 5).tolist() == [0.0, 1.0, 2.0]
     assert thinned(np.arange(100.0), 3).tolist() == [0.0, 49.0, 99.0]
+
+
+def test_costs_add_up_to_the_time_of_a_frame(results: Compared) -> None:
+    """Of each side the terms and the constant are the mean frame; no counted term is negative."""
+    shown = Results(results.comparison, results.logs, inks(results.comparison))
+    costs = results.comparison.unit_costs
+    for policy in shown.drawn:
+        found = cost_breakdown.mean_ms(shown, policy.label)
+        run = MeasuredFrames(results.logs[policy.label], *results.comparison.window_s[0])
+        for side, unit_ms in (("gpu", costs.gpu), ("cpu", costs.cpu)):
+            terms = [found[f"{side} {name}"] for name in unit_ms if f"{side} {name}" in found]
+            assert sum(terms) + found[f"{side} constant"] == pytest.approx(found[side])
+            assert min(terms, default=0.0) >= 0.0
+            assert run[f"{side}_ms"].min() <= found[side] <= run[f"{side}_ms"].max()
+    assert found["gpu triangles"] > 0.0
+    assert ">What costs what<" in page_of(results)
