@@ -19,6 +19,7 @@ SECTIONS = (
     "flicker",
     "worst_moments",
     "cost_breakdown",
+    "predictions",
     "robustness",
     "slow_frames",
     "load_steps",

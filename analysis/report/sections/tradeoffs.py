@@ -116,13 +116,14 @@ def _top(results: Results, metric: str) -> float:
 
 
 def _caption(results: Results) -> str:
-    """Return who draws the finest picture among those that surely keep the budget."""
-    known = [(_error(p), p.label) for p in results.drawn if p.rank is not None]
-    errors = [(error, label) for error, label in known if error is not None]
-    if not errors:
+    """Return what the first of the ranking draws, and who draws the finest picture."""
+    ranked = [policy for policy in results.drawn if policy.rank is not None]
+    known = [(error, policy) for policy in ranked if (error := _error(policy)) is not None]
+    if not known:
         return "Nobody surely keeps the budget."
-    error, label = min(errors)
-    return results.words(
-        f"Of those that surely keep the budget, {label} draws the finest picture: "
-        f"{format_value(error)} px of visible error."
-    )
+    error, finest = min(known, key=lambda pair: pair[0])
+    text = f"{finest.label} draws the finest picture of those that surely keep the budget"
+    text += f", with {format_value(error)} px of visible error"
+    if finest is not ranked[0]:
+        text += f"; {ranked[0].label}, the first of the ranking, has {format_value(known[0][0])} px"
+    return results.words(f"{text}.")

@@ -34,11 +34,31 @@ function paint() {
   if (hot !== null && !hidden.has(hot)) rules.push(`.plot [data-p]:not([data-p="${hot}"]){opacity:.12}`);
   off.textContent = rules.join("");
   for (const b of names) b.setAttribute("aria-pressed", String(!hidden.has(b.dataset.p)));
+  for (const plot of all(".plot")) spread(plot);
+}
+
+/* Labels of what is drawn stand beside their points, as near as there is room. */
+function spread(plot) {
+  const marks = all(".mark", plot).filter((m) => !hidden.has(m.dataset.p));
+  if (!plot.querySelector(".label") || !marks.length) return;
+  const room = 1700 / parseFloat(plot.querySelector(".area").style.height), of = (m) => parseFloat(m.style.bottom);
+  marks.sort((a, b) => of(a) - of(b) || parseFloat(b.style.left) - parseFloat(a.style.left));
+  let end = room / 2;
+  const places = marks.map((m) => { const at = Math.max(of(m), end); end = at + room; return at; });
+  end = 100 - room / 2;
+  for (let i = places.length - 1; i >= 0; i--) { places[i] = Math.min(places[i], end); end = places[i] - room; }
+  marks.forEach((m, i) => {
+    const p = m.dataset.p, leader = plot.querySelector(`path.leader[data-p="${p}"]`);
+    plot.querySelector(`.label[data-p="${p}"]`).style.bottom = places[i] + "%";
+    const at = (share, size) => Math.round(size * share / 100);
+    leader.setAttribute("d", `M${at(parseFloat(m.style.left), WIDE)} ${at(100 - of(m), HIGH)}L${WIDE} ${at(100 - places[i], HIGH)}`);
+  });
 }
 for (const b of names) {
   const p = b.dataset.p;
   b.addEventListener("click", () => { hidden.has(p) ? hidden.delete(p) : hidden.add(p); paint(); write(); });
-  for (const event of ["pointerenter", "focus"]) b.addEventListener(event, () => { hot = p; paint(); });
+  b.addEventListener("pointerenter", () => { hot = p; paint(); });
+  b.addEventListener("focus", () => { if (b.matches(":focus-visible")) { hot = p; paint(); } });
   for (const event of ["pointerleave", "blur"]) b.addEventListener(event, () => { hot = null; paint(); });
 }
 for (const b of all("[data-show]")) b.addEventListener("click", () => {
