@@ -1,5 +1,7 @@
 """Numbers of vertices shared by projected area, as the resolutions at which types have so many."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from ...base.arrays import FloatArray
@@ -23,10 +25,11 @@ class VertexShares:
         self._alpha = alpha
         vertices = levels.counts[:, _VERTICES]
         # Coarsest first, as interpolation wants it; of knots that have as many the finest counts.
-        self._knots = [
-            (np.maximum.accumulate(vertices[rows][::-1]), levels.resolution[rows][::-1])
-            for rows in map(slice, levels.start[:-1], levels.start[1:])
-        ]
+        starts: list[int] = levels.start.tolist()
+        self._knots: list[tuple[FloatArray, FloatArray]] = []
+        for first, stop in pairwise(starts):
+            rising: FloatArray = np.maximum.accumulate(vertices[first:stop][::-1])
+            self._knots.append((rising, levels.resolution[first:stop][::-1]))
         self._least = np.array([of_type[0] for of_type, _ in self._knots])
         self._most = np.array([of_type[-1] for of_type, _ in self._knots])
 
@@ -39,7 +42,8 @@ class VertexShares:
         kind = view.type_index
         share, work = self._shares(view, total, filled=filled)
         resolution = np.ones(len(kind))
-        for number in np.unique(kind):
+        numbers: list[int] = np.unique(kind).tolist()
+        for number in numbers:
             at = kind == number
             vertices, knots = self._knots[number]
             resolution[at] = np.interp(share[at], vertices, knots)

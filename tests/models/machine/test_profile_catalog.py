@@ -17,8 +17,8 @@ def test_every_bundled_profile_loads_under_its_own_name():
     """The name of the file is the name inside it."""
     names = list_hardware()
     assumed = ("athlon64-6800ultra-assumed", "desktop-assumed")
-    crowd = ("quadro5000-2011", "quadro5000-instanced-assumed")
-    assert names == (*assumed, "geforce2go-2002", "llvmpipe", *crowd, "thesis-m30-assumed")
+    others = ("quadro5000-2011", "quadro5000-instanced-assumed", "thesis-m30-assumed")
+    assert names == (*assumed, "geforce2go-2002", "llvmpipe", *others)
     assert [load_hardware(name).name for name in names] == list(names)
 
 

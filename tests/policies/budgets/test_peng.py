@@ -69,9 +69,9 @@ def test_n_is_shared_in_vertices_and_mapped_to_triangles(
     policy.reset(scene, 1e-6)
     vertices = 900.0 * share / share.sum()
     assert vertices[0] > 400.0 > vertices[1] > vertices[2] > 160.0  # on either side of a knot
-    triangles = np.interp(
-        vertices, np.array([160.0, 400.0, 1000.0]), np.array([190.0, 655.0, 2620.0])
-    )
+    at, has = np.array([160.0, 400.0, 1000.0]), np.array([190.0, 655.0, 2620.0])
+    wanted: list[float] = vertices.tolist()
+    triangles = np.array([float(np.interp(count, at, has)) for count in wanted])
     selection = policy.select(view)
     assert_allclose(selection.detail * 2620.0, triangles, rtol=1e-8)
     assert selection.predicted_ms == pytest.approx(1.0 + 1e-3 * triangles.sum(), rel=1e-8)
