@@ -8,6 +8,7 @@ import pytest
 
 from lodbench.analysis.study.compare import CompareSettings
 from lodbench.base.errors import InputError
+from lodbench.models.machine.cost import CostModel
 from lodbench.sim.replay import ReplayOptions
 
 REPLAY = ReplayOptions(budget_ms=8.0, seed=3)
