@@ -4,6 +4,7 @@ A plot is drawn by the page's own markup and style, so that it needs no library,
 page's colours in light and dark, and stretches to any width.  Widths are shares, heights pixels.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -64,15 +65,16 @@ class Axis:
         """Places of round values, in per cent of the axis, and their texts."""
         if self.low >= self.high:
             return ()
-        if self.scale == "linear":
-            step = round_step((self.high - self.low) / self.parts)
-            first = np.ceil(self.low / step - 1e-9)
-            values = step * np.arange(first, np.floor(self.high / step + 1e-9) + 1.0) + 0.0  # no -0
-        else:
-            values = self._spread_values()
-        return tuple((round(100.0 * self.at(v), 2), _tick_text(v)) for v in values.tolist())
+        values = self._even_values() if self.scale == "linear" else self._spread_values()
+        return tuple((round(100.0 * self.at(value), 2), _tick_text(value)) for value in values)
 
-    def _spread_values(self) -> FloatArray:
+    def _even_values(self) -> list[float]:
+        """Return multiples of a round step."""
+        step = round_step((self.high - self.low) / self.parts)
+        first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
+        return [step * at for at in range(first, last + 1)]
+
+    def _spread_values(self) -> list[float]:
         """Return 1, 2 and 5 times powers of ten that keep a distance; zero where there is one."""
         powers = 10.0 ** np.arange(-4, 7)
         values = np.concatenate(([0.0], (powers[:, None] * [1.0, 2.0, 5.0]).ravel()))
@@ -83,7 +85,7 @@ class Axis:
         for value in inside.tolist():
             if not kept or self.at(value) - self.at(kept[-1]) >= 0.09:
                 kept.append(value)
-        return np.array(kept)
+        return kept
 
 
 def round_step(least: float) -> float:

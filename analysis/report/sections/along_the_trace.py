@@ -1,6 +1,7 @@
 """Plots over the time of the first path: work, lag, switches and error."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,22 +40,25 @@ def time_axis(results: Results) -> Axis:
     return Axis(TIME, 0.0, max(ends), parts=8)
 
 
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    """A chart along the path: what it draws of a run, and on which scale."""
+
+    name: str
+    title: str
+    unit: str
+    series: Callable[[MeasuredFrames], tuple[FloatArray, FloatArray]]
+    scale: Scale = "linear"
+
+
 def _plots(results: Results) -> Iterator[Plot]:
     runs = {p.label: MeasuredFrames(results.logs[p.label]) for p in results.drawn}
     x, budget = time_axis(results), results.comparison.budget_ms
-    kinds = (
-        ("work", "Work time", "work, ms", lambda run: (run.time_s, run.work_ms), "linear"),
-        ("lag", "Lag from input to display", "lag, ms", lambda run: (run.time_s, run.lag_ms),
-         "linear"),
-        ("pops", f"Visible pops, over {_BIN_S:g} s", "visible pops, /s", _pops, "root"),
-        ("error", "Projected error, 95th percentile of nodes", "error, px",
-         lambda run: (run.time_s, run["sse_px_p95"]), "linear"),
-    )  # fmt: skip
-    for name, title, unit, of, scale in kinds:
-        series = {label: of(run) for label, run in runs.items()}
-        judged = name == "work"
-        top = _MOST * budget if judged else _top([values for _, values in series.values()], scale)
-        y = Axis(unit, 0.0, top, scale)
+    for panel in _PANELS:
+        series = {label: panel.series(run) for label, run in runs.items()}
+        judged = panel.name == "work"
+        top = _MOST * budget if judged else _top([y for _, y in series.values()], panel.scale)
+        y = Axis(panel.unit, 0.0, top, panel.scale)
         lines = [
             line_of(results.inks[label], (x, y), envelope(*points, _BUCKETS))
             for label, points in series.items()
@@ -62,7 +66,21 @@ def _plots(results: Results) -> Iterator[Plot]:
         text = f"budget {budget:.4g} ms"
         rules = [Rule(False, round(100.0 * y.at(budget), 2), text)] if judged else []
         height_px = 260 if judged else 150
-        yield Plot(name, title, x, y, lines, rules=rules, height_px=height_px, link=LINK)
+        yield Plot(
+            panel.name, panel.title, x, y, lines, rules=rules, height_px=height_px, link=LINK
+        )
+
+
+def _work(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:
+    return run.time_s, run.work_ms
+
+
+def _lag(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:
+    return run.time_s, run.lag_ms
+
+
+def _error(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:
+    return run.time_s, run["sse_px_p95"]
 
 
 def _pops(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:
@@ -79,3 +97,11 @@ def _top(series: list[FloatArray], scale: Scale) -> float:
     if scale == "root" or middle <= 0.0:
         return 1.1 * highest
     return 1.1 * min(highest, 2.0 * middle)
+
+
+_PANELS = (
+    _Panel("work", "Work time", "work, ms", _work),
+    _Panel("lag", "Lag from input to display", "lag, ms", _lag),
+    _Panel("pops", f"Visible pops, over {_BIN_S:g} s", "visible pops, /s", _pops, "root"),
+    _Panel("error", "Projected error, 95th percentile of nodes", "error, px", _error),
+)

@@ -394,5 +394,5 @@ def test_costs_add_up_to_the_time_of_a_frame(results: Compared) -> None:
             assert sum(terms) + found[f"{side} constant"] == pytest.approx(found[side])
             assert min(terms, default=0.0) >= 0.0
             assert run[f"{side}_ms"].min() <= found[side] <= run[f"{side}_ms"].max()
-    assert found["gpu triangles"] > 0.0
+        assert found["gpu triangles"] > 0.0
     assert ">What costs what<" in page_of(results)
