@@ -7,9 +7,9 @@ from ...sim.frame_log import FrameLog
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult
 from .blocks import Block, Cell, Section
-from .names import readable, short_name, whole_name
+from .names import short_name, whole_name
 from .palette import Ink
-from .summary import MetricColumn, shown_policies
+from .summary import MetricColumn, shown_policies, words_of
 from .values import format_span
 
 
@@ -33,8 +33,7 @@ class Results:
 
     def words(self, text: str) -> str:
         """Return a text about the comparison, with names cut that are too long to read."""
-        c = self.comparison
-        return readable(text, (*self.inks, c.scene, c.hardware, *c.paths))
+        return words_of(self.comparison, text)
 
     def name_of(self, policy: PolicyResult, tags: tuple[str, ...] = ()) -> Cell:
         """Return a policy's name with its mark."""

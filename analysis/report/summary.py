@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult, Status, knob_text
 from ..verdict.operating_point import SURE
+from .names import readable
 from .values import format_value
 
 
@@ -97,6 +98,12 @@ def unscored(comparison: Comparison) -> list[tuple[Status, str]]:
         (status, f"{status}: {', '.join(labels)}: {reason}")
         for (status, reason), labels in groups.items()
     ]
+
+
+def words_of(comparison: Comparison, text: str) -> str:
+    """Return a text about a comparison, with names cut that are too long to read."""
+    labels = (policy.label for policy in comparison.policies)
+    return readable(text, (*labels, comparison.scene, comparison.hardware, *comparison.paths))
 
 
 def describe_run(comparison: Comparison) -> str:

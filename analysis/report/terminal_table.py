@@ -6,6 +6,7 @@ from ..metrics.metric_registry import METRICS
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult
 from .console_tables import plain_table
+from .names import short_name
 from .summary import (
     HEADLINE,
     MetricColumn,
@@ -17,6 +18,7 @@ from .summary import (
     rank_text,
     shown_policies,
     unscored,
+    words_of,
 )
 from .values import format_value
 
@@ -36,9 +38,10 @@ _UNIT_WIDTH, _VALUE_WIDTH = 44, 26
 def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) -> None:
     """Print the answer, what was run, its table, and what the numbers mean."""
     for place, sentence in enumerate(comparison.answer):
-        console.print(sentence, style="bold" if place == 0 else None, markup=False)
+        style = "bold" if place == 0 else None
+        console.print(words_of(comparison, sentence), style=style, markup=False)
     console.print()
-    console.print(describe_run(comparison), style="dim", markup=False)
+    console.print(words_of(comparison, describe_run(comparison)), style="dim", markup=False)
     for warning in comparison.warnings:
         console.print(f"warning: {warning}", style="yellow", markup=False)
     if comparison.ok and wide:
@@ -49,10 +52,11 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
             console.print("", table)
         console.print()
     for sentence in folded(comparison):
-        console.print(sentence, style="dim", markup=False)
+        console.print(words_of(comparison, sentence), style="dim", markup=False)
     for status, reason in unscored(comparison):
         style = "bold red" if status == "failed" else "yellow"
-        console.print(reason, style=style, soft_wrap=True, markup=False)
+        text = words_of(comparison, reason)
+        console.print(text, style=style, soft_wrap=True, markup=False)
     if comparison.ok:
         console.print(explain(comparison), style="dim", markup=False)
 
@@ -120,7 +124,7 @@ def _short_table(
         before = rank
         style = "bold green" if rank == "1" else ""
         cells = (column.text(policy) for column in columns)
-        names = (f"{rank} {behind_text(policy)}".rstrip(), Text(policy.label))
+        names = (f"{rank} {behind_text(policy)}".rstrip(), Text(short_name(policy.label)))
         kept = (Text(knob_words(policy)), keeps_text(policy)) if gate else ()
         table.add_row(*names, *kept, *cells, style=style)
     return table
@@ -140,7 +144,7 @@ def _wide_table(policies: tuple[PolicyResult, ...]) -> "Table":
     table.add_column("metric", no_wrap=True)
     table.add_column("unit", no_wrap=True)
     for policy in policies:
-        table.add_column(Text(policy.label), overflow="fold", justify="right")
+        table.add_column(Text(short_name(policy.label)), overflow="fold", justify="right")
     group = METRICS[0].group
     for metric in METRICS:
         if metric.group != group:

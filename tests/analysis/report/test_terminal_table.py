@@ -138,6 +138,20 @@ def test_a_terminal_of_ascii_prints_no_other_lines(comparison: Comparison) -> No
     assert "─" not in text
 
 
+def test_long_names_are_cut_and_markup_is_text(comparison: Comparison) -> None:
+    """A name of 10,000 characters leaves a table that can be read, and a tag is printed."""
+    name = "[red]<b>" + "n" * 10_000
+    first = replace(comparison.ok[0], label=name)
+    others = tuple(p for p in comparison.policies if p is not comparison.ok[0])
+    answer = (f"Take {name}.", *comparison.answer[1:])
+    renamed = replace(comparison, policies=(first, *others), scene=name, answer=answer)
+    for wide in (False, True):
+        text = printed(renamed, 100, wide=wide)
+        assert text.startswith("Take [red]<b>nnn")
+        assert text.count("n" * 40) < 10
+        assert max(len(line) for line in text.splitlines() if "nnn" in line) <= 100
+
+
 def test_table_says_what_was_replayed(comparison: Comparison) -> None:
     """Scene, trace, hardware that is assumed, budget and window are named."""
     text = printed(comparison, 100)
