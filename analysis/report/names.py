@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable
 
-_LONG = 60
+_LONG, _HEAD = 60, 24
 _MOST = 500
 """Characters of a name under the pointer, where it is cut."""
 
 
 def short_name(name: str) -> str:
-    """Return a name, cut where it is too long to read."""
-    return name if len(name) <= _LONG else f"{name[: _LONG - 1]}…"
+    """Return a name, cut in its middle where it is too long to read: files differ in their ends."""
+    return name if len(name) <= _LONG else f"{name[:_HEAD]}…{name[_HEAD + 1 - _LONG :]}"
 
 
 def whole_name(name: str) -> str:

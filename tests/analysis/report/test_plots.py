@@ -85,5 +85,6 @@ def test_long_names_are_cut_and_short_ones_stay() -> None:
     long = "a" * 10_000
     assert (short_name("full"), whole_name("full")) == ("full", "")
     assert len(short_name(long)) == 60
+    assert short_name(f"{long}/mine.py:Broken").endswith("aaa/mine.py:Broken")
     assert len(whole_name(long)) == 500
     assert readable(f"Take {long}: it", ["full", long]) == f"Take {short_name(long)}: it"
