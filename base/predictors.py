@@ -1,9 +1,9 @@
 """What a cost model may count, named after what engines log.
 
 A GPU predictor is either a count that belongs to a level of detail (``draw_calls`` …
-``texture_bytes``), or depends on the view (``shaded_samples``, ``rasterized_triangles``), or on the
-frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of every
-coefficient vector in the package.
+``texture_bytes``), or a term of each object (``shaded_samples`` … ``untextured_triangles``), or of
+the frame as a whole (``framebuffer_pixels`` … ``bytes_uploaded``).  The column order is that of
+every coefficient vector in the package.
 """
 
 LEVEL_PREDICTORS = (
@@ -28,8 +28,12 @@ GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
     "rasterized_triangles",  # of those drawn, how many should reach a sample
+    "reformed_objects",  # drawn where the GPU makes every level anew in every frame
+    "reformed_triangles",  # triangles of these
+    "untextured_triangles",  # triangles less textured ones
     "framebuffer_pixels",  # width times height
     "state_changes",  # distinct types drawn in the frame
+    "reduction_steps",  # of a sum over all objects drawn, formed in pairs on the GPU
     *CHANGE_PREDICTORS,
 )
 

@@ -22,7 +22,7 @@ def report(
     baseline: printed_files.Baseline = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write DIR/report.html again from comparison.json and the frame logs; or figures, tables."""
+    """Write DIR/report.html again, or figures, tables and a summary of the comparison."""
     from ..analysis.study.comparison_folder import read_results, rewrite_report
 
     printed = printed_files.PrintedFiles(figures, csv, latex, markdown, baseline, as_json)

@@ -85,20 +85,6 @@ class Knob:
                 break
         return values if self.finer == "higher" else values[::-1]
 
-    def between(self, a: float, b: float) -> float:
-        """Return the middle of two values on the scale, strictly between them.
-
-        It has four significant digits, or as many more as keep it between.
-
-        Raises `InputError` if no number lies between.
-        """
-        middle = self._back(0.5 * (self._along(a) + self._along(b)))
-        for digits in range(_DIGITS, _ALL_DIGITS + 1):
-            rounded = _round(middle, digits)
-            if min(a, b) < rounded < max(a, b):
-                return rounded
-        raise InputError(f"knob {self.name}: expected two values apart, got {a!r} and {b!r}")
-
     def where(self, value: float) -> float:
         """Return how far a value is from the coarse end to the fine one, in [0, 1].
 

@@ -2,11 +2,12 @@
 
 `TIMES` are int64 nanoseconds of the simulated clock, -1 where a frame never got there (a frame that
 mailbox replaced has ``display_ns`` -1).  `COUNTS` are float64.  Both tuples are the schema, in
-column order, of the Parquet files that `write_frame_log` makes.
+column order, of the Parquet files that `write_frame_log` makes; behind them logs of trees have a
+column of the nodes drawn at each depth, ``drawn_depth_0`` (roots) and so on.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import itemgetter
 from struct import Struct
 from typing import TYPE_CHECKING, Any
@@ -67,6 +68,9 @@ COUNTS = (
     "z_m",
 )
 
+DEPTH = "drawn_depth_"
+"""Begins the names of the columns of nodes drawn by depth."""
+
 
 @dataclass(frozen=True, slots=True)
 class LogHeader:
@@ -112,11 +116,14 @@ class FrameLog:
     header : LogHeader
     times_ns : (n, len(TIMES)) int64
     counts : (n, len(COUNTS)) float64
+    drawn_by_depth : (n, D) int64
+        Nodes drawn at each depth of a hierarchy, the roots' first; no columns where there is none.
     """
 
     header: LogHeader
     times_ns: NDArray[np.int64]
     counts: FloatArray
+    drawn_by_depth: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
         n = len(self.times_ns)
@@ -125,6 +132,9 @@ class FrameLog:
                 f"frame log: expected {len(TIMES)} times and {len(COUNTS)} counts a frame, got "
                 f"shapes {self.times_ns.shape} and {self.counts.shape}"
             )
+        by_depth = self.drawn_by_depth.reshape(n, -1 if n else 0)
+        object.__setattr__(self, "drawn_by_depth", by_depth)
+        by_depth.flags.writeable = False
         self.times_ns.flags.writeable = False
         self.counts.flags.writeable = False
 
@@ -133,15 +143,18 @@ class FrameLog:
         return len(self.times_ns)
 
     def __getitem__(self, column: str) -> NDArray[Any]:
-        """Return a column by the name it has in `TIMES` or `COUNTS`, (n,)."""
+        """Return a column by its name in `columns`, (n,)."""
         if column in _TIME_INDEX:
             return self.times_ns[:, _TIME_INDEX[column]]
+        if column.startswith(DEPTH):
+            return self.drawn_by_depth[:, int(column.removeprefix(DEPTH))]
         return self.counts[:, _COUNT_INDEX[column]]
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns."""
-        return TIMES + COUNTS
+        depths = self.drawn_by_depth.shape[1]
+        return TIMES + COUNTS + tuple(f"{DEPTH}{depth}" for depth in range(depths))
 
     def to_table(self) -> "pa.Table":
         """Return the frames as an Arrow table, one row a frame."""

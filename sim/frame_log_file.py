@@ -9,7 +9,7 @@ from ..base.errors import InputError
 from ..base.files.parquet_file import ParquetColumns, write_columns
 from ..base.files.strict_json import decode_json
 from ..base.files.whole_file import whole_file
-from .frame_log import COUNTS, TIMES, FrameLog, LogHeader
+from .frame_log import COUNTS, DEPTH, TIMES, FrameLog, LogHeader
 
 _SCHEMA = "lodbench.frame-log/2"
 _ADVICE = "give frames/<policy>.parquet of a run of `lodbench compare`"
@@ -32,9 +32,13 @@ def read_frame_log(path: str | Path) -> FrameLog:
         raise InputError(f"expected a frame log, got no file; {_ADVICE}", path=source)
     table = ParquetColumns(source, _ADVICE)
     schema = table.text("schema") or "none"
-    if schema != _SCHEMA or table.names != [*TIMES, *COUNTS]:
+    depths = [name for name in table.names if name.startswith(DEPTH)]
+    known = [*TIMES, *COUNTS, *(f"{DEPTH}{depth}" for depth in range(len(depths)))]
+    if schema != _SCHEMA or table.names != known:
         raise InputError(f"expected schema {_SCHEMA}, got {schema}; {_ADVICE}", path=source)
     text = table.text("header").encode()
     header = decode_json(text, LogHeader, "a frame-log header", _ADVICE, path=source)
     times = np.column_stack([table.whole_numbers(name) for name in TIMES])
-    return FrameLog(header, times, np.column_stack([table.numbers(name) for name in COUNTS]))
+    counts = np.column_stack([table.numbers(name) for name in COUNTS])
+    by_depth = [table.whole_numbers(name) for name in depths]
+    return FrameLog(header, times, counts, *([np.column_stack(by_depth)] if by_depth else []))

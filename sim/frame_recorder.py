@@ -111,6 +111,9 @@ class FrameRecorder:
         self._holes = Holes(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
         self._loaded_bytes = 0
+        self._depth = None if tree is None else tree.depth
+        self._depths = 0 if tree is None else int(tree.depth.max()) + 1
+        self._by_depth = bytearray()  # of int64, a row a frame
         self._rows = CountRows(_ROW)
         self.last_detail = self._accounting.switches.detail
 
@@ -142,6 +145,7 @@ class FrameRecorder:
         switches = accounting.switches.record(view.frame, view.time_ns, drawn, changed)
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
+            self._count_depths(drawn)
         extraction = self._extract(view, selection, drawn)
         first = self._first_uses.record(drawn.row.take(accounting.switches.changed))
         changes = LevelChanges(
@@ -177,6 +181,15 @@ class FrameRecorder:
     def counts(self) -> FloatArray:
         """Return what was recorded of the frames so far (`FrameLog.counts`)."""
         return self._rows.table()
+
+    def drawn_by_depth(self) -> NDArray[np.int64]:
+        """Return nodes drawn of the frames so far (`FrameLog.drawn_by_depth`)."""
+        return np.frombuffer(self._by_depth, dtype=np.int64)
+
+    def _count_depths(self, drawn: Drawn) -> None:
+        if self._depth is not None:
+            drawn_at = self._depth.take(drawn.at)
+            self._by_depth += np.bincount(drawn_at, minlength=self._depths).tobytes()
 
     def _extract(self, view: View, selection: Selection, drawn: Drawn) -> Extraction:
         changed = self._accounting.switches.changed

@@ -9,8 +9,9 @@ Roots are in memory from the start and stay.
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.arrays import BoolArray, IntArray
+from ..base.arrays import BoolArray, FloatArray, IntArray
 from ..base.errors import InputError
+from ..base.predictors import LEVEL_PREDICTORS
 from ..models.machine.hardware import HardwareProfile
 from ..models.scene.scene import Scene
 from ..policies.selection import Selection
@@ -20,6 +21,7 @@ from .events import EventQueue
 CHUNK_BYTES = 65_536
 """Bytes of one incremental read: a third of a millisecond at 200 MB/s."""
 
+_TEXTURE_BYTES = LEVEL_PREDICTORS.index("texture_bytes")
 _PRIORITY = 1  # before the CPU: a frame that begins in the nanosecond a chunk arrives has it
 
 
@@ -53,14 +55,15 @@ def make_memory(
 ) -> Memory:
     """Return the memory of a replay: bounded behind a loader if streaming, else unbounded.
 
-    A node's bytes are those of all levels of its type; two nodes of one type are read separately.
+    A node's bytes are those of all levels of its type, in a tree with their textures, which are the
+    node's own there; two nodes of one type are read separately.
 
     Raises `InputError` if the roots do not fit the bound.
     """
     levels = scene.types.levels
     if not streaming:
-        return Memory(round(float(levels.bytes.sum())))
-    type_bytes = np.add.reduceat(levels.bytes, levels.start[:-1])
+        return Memory(round(float(level_bytes(scene).sum())))
+    type_bytes = np.add.reduceat(level_bytes(scene), levels.start[:-1])
     node_bytes = np.ceil(type_bytes[scene.type_index]).astype(np.int64)
     return Loader(
         node_bytes,
@@ -69,6 +72,15 @@ def make_memory(
         bytes_per_s=hardware.disk_bytes_per_s,
         latency_ns=round(hardware.disk_latency_ms * 1e6),
     )
+
+
+def level_bytes(scene: Scene) -> FloatArray:
+    """Return what each level takes in memory, (L,).
+
+    Levels of flat scenes share one texture, which no level of detail takes less of.
+    """
+    levels = scene.types.levels
+    return levels.bytes if scene.flat else levels.bytes + levels.counts[:, _TEXTURE_BYTES]
 
 
 def find_not_resident(selection: Selection, view: View) -> str | None:

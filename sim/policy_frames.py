@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.arrays import FloatArray
 from ..base.errors import InputError, PolicyError
@@ -94,6 +95,10 @@ class PolicyFrames:
     def counts(self) -> FloatArray:
         """Return what was recorded of the frames so far (`FrameLog.counts`)."""
         return self._recorder.counts()
+
+    def drawn_by_depth(self) -> NDArray[np.int64]:
+        """Return nodes drawn of the frames so far (`FrameLog.drawn_by_depth`)."""
+        return self._recorder.drawn_by_depth()
 
     def begin(self, frame: int, time_ns: int) -> tuple[int, int] | None:
         """Select, count and price one frame (see `FrameSource`)."""

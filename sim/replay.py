@@ -62,4 +62,4 @@ def replay(
         np.maximum(
             np.frombuffer(getattr(pipeline, time), dtype=np.int64), -1, out=times_ns[:, column]
         )
-    return FrameLog(header, times_ns, frames.counts())
+    return FrameLog(header, times_ns, frames.counts(), frames.drawn_by_depth())

@@ -99,6 +99,7 @@ LONG = {
     "fitting.md",
     "hardware.md",
     "lod-models.md",
+    "logs.md",
     "recording.md",
     "reproducing.md",
     "scenes.md",

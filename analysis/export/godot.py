@@ -17,7 +17,7 @@ from itertools import pairwise
 from ...policies.thresholds.pixel_error import PixelError
 from ...policies.thresholds.static_screen import StaticScreen
 from .engine_settings import Asked, Engine, EngineSettings, TypeSettings
-from .switch_distances import Switch, counted_types, switches_of
+from .switch_distances import Switch, about_distances, counted_types, switches_of
 
 _THRESHOLD = "rendering/mesh_lod/lod_change/threshold_pixels"
 
@@ -35,13 +35,11 @@ def _set_godot(asked: Asked) -> EngineSettings:
         )
         for name, radius_m, levels in counted_types(scene)
     )
+    differs = [
+        "visibility_range_fade_mode is to be VISIBILITY_RANGE_FADE_DISABLED",
+        *about_distances(asked.policy, asked.fovy_deg),
+    ]
     by_height = isinstance(asked.policy, StaticScreen)
-    differs = ["visibility_range_fade_mode is to be VISIBILITY_RANGE_FADE_DISABLED"]
-    if by_height:
-        differs.append(
-            f"ranges hold at {asked.fovy_deg:g} degrees and scale 1: multiply them by an object's "
-            "scale; a zoom changes nothing"
-        )
     fovy_deg = asked.fovy_deg if by_height else None
     differs += asked.about_knots()
     return EngineSettings("godot", asked.label, scene.name, fovy_deg, {}, types, tuple(differs))

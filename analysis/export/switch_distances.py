@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 
 from ...models.scene.scene import Scene
-from ...policies.thresholds.static_distance import StaticDistance, distance_range
+from ...policies.shared.distance_range import distance_range
+from ...policies.thresholds.static_distance import StaticDistance
 from ...policies.thresholds.static_screen import StaticScreen
 
 
@@ -29,11 +30,22 @@ def height_thresholds(policy: StaticScreen, levels: int) -> list[float]:
     return [policy.first * policy.ratio**level for level in range(levels - 1)]
 
 
-def switches_by_distance(policy: StaticDistance, scene: Scene, levels: int) -> list[Switch]:
+def grows_with_size(policy: StaticDistance | StaticScreen) -> bool:
+    """Whether distances are in proportion to an object's radius, and so to its scale."""
+    return isinstance(policy, StaticScreen) or policy.near_m is policy.far_m is None
+
+
+def switches_by_distance(
+    policy: StaticDistance, scene: Scene, radius_m: float, levels: int
+) -> list[Switch]:
     """Return where each level but the finest begins: the range is divided evenly among all."""
-    near_m, far_m = distance_range("static-distance", scene, policy.near_m, policy.far_m)
+    near_m, far_m = (
+        float(end_m[0])
+        for end_m in distance_range("static-distance", scene, policy.near_m, policy.far_m)
+    )
+    size = radius_m / float(scene.radius_m[0]) if grows_with_size(policy) else 1.0
     step_m = (far_m - near_m) / levels
-    outs_m = [policy.scale * (near_m + level * step_m) for level in range(1, levels)]
+    outs_m = [policy.scale * size * (near_m + level * step_m) for level in range(1, levels)]
     return [Switch(out_m, out_m * (1.0 - policy.hysteresis)) for out_m in outs_m]
 
 
@@ -60,8 +72,20 @@ def switches_of(
 ) -> list[Switch]:
     """Return where each level but the finest begins, by either policy."""
     if isinstance(policy, StaticDistance):
-        return switches_by_distance(policy, scene, levels)
+        return switches_by_distance(policy, scene, radius_m, levels)
     return switches_by_height(policy, radius_m, levels, fovy_deg)
+
+
+def about_distances(policy: StaticDistance | StaticScreen, fovy_deg: float) -> list[str]:
+    """Return for what distances hold, where that is not everything."""
+    if isinstance(policy, StaticScreen):
+        return [
+            f"distances hold at {fovy_deg:g} degrees and scale 1: multiply them by an object's "
+            "scale"
+        ]
+    if grows_with_size(policy):
+        return ["distances hold at scale 1: multiply them by an object's scale"]
+    return []
 
 
 def counted_types(scene: Scene) -> list[tuple[str, float, int]]:

@@ -10,7 +10,7 @@ Source: three.js's documentation of ``LOD.addLevel(object, distance, hysteresis)
 
 from ...policies.thresholds.static_screen import StaticScreen
 from .engine_settings import Asked, Engine, EngineSettings, TypeSettings
-from .switch_distances import Switch, counted_types, switches_of
+from .switch_distances import Switch, about_distances, counted_types, switches_of
 
 
 def _set_threejs(asked: Asked) -> EngineSettings:
@@ -27,13 +27,11 @@ def _set_threejs(asked: Asked) -> EngineSettings:
         )
         for name, radius_m, levels in counted_types(scene)
     )
+    differs = [
+        "LOD stands at its origin, which is to be the centre of the bounding sphere",
+        *about_distances(asked.policy, asked.fovy_deg),
+    ]
     by_height = isinstance(asked.policy, StaticScreen)
-    differs = ["LOD stands at its origin, which is to be the centre of the bounding sphere"]
-    if by_height:
-        differs.append(
-            f"distances hold at {asked.fovy_deg:g} degrees and scale 1: multiply them by an "
-            "object's scale"
-        )
     fovy_deg = asked.fovy_deg if by_height else None
     differs += asked.about_knots()
     return EngineSettings("threejs", asked.label, scene.name, fovy_deg, {}, types, tuple(differs))

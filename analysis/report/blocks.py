@@ -47,7 +47,7 @@ class Table:
     kind: ClassVar = "table"
     heads: Sequence[Cell | str]
     rows: Sequence[Sequence[Cell | str] | Across]
-    style: Literal["", "facts", "metrics"] = ""
+    style: Literal["", "facts", "metrics", "ranks"] = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,7 +84,7 @@ def _sentences(policy: PolicyChange, shown: list[Change]) -> list[str]:
         found.append(f"{policy.policy}: {policy.knob_before}, now {policy.knob_after}")
     if policy.term and any(change.policy == policy.policy for change in shown):
         found.append(
-            f"{policy.policy}: on the first path {policy.term} changed most, "
-            f"by a factor of {policy.term_ratio:.3g}"
+            f"{policy.policy}: on the first path the cost of {policy.term} changed most, by "
+            f"{policy.term_ms:+.3g} ms of {policy.side.upper()} time a frame"
         )
     return found

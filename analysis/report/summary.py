@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult, Status, knob_text
+from ..verdict.operating_point import SURE
 from .values import format_value
 
 
@@ -29,12 +30,25 @@ HEADLINE = (
 )
 """Metrics of the order first, then what explains them."""
 
+_BEHIND = {
+    "missing_objects_mean": "holes",
+    "visible_error_px": "error",
+    "visible_pops_per_s": "pops",
+    "lag_ms_mean": "lag",
+    "work_ms_mean": "work",
+}
+
 
 def rank_text(policy: PolicyResult) -> str:
     """Return a policy's rank; what misses the budget has none."""
     if policy.oracle:
         return "oracle"
     return "misses" if policy.rank is None else str(policy.rank)
+
+
+def behind_text(policy: PolicyResult) -> str:
+    """Return a word for what put a policy behind the rank before; empty of what has none."""
+    return _BEHIND.get(policy.behind_by or "", "")
 
 
 def knob_words(policy: PolicyResult) -> str:
@@ -50,7 +64,13 @@ def keeps_text(policy: PolicyResult) -> str:
     if keeps is None:
         return ""
     kept = f"{keeps.kept}/{keeps.paths}"
-    return kept if keeps.probability is None else f"{keeps.probability:.2f} {kept}"
+    probability = keeps.probability
+    if probability is None:
+        return kept
+    shown = round(probability, 2)
+    if probability < SURE <= shown:  # rounded up, what misses would seem to pass
+        shown -= 0.01
+    return f"{shown:.2f} {kept}"
 
 
 def shown_policies(comparison: Comparison) -> tuple[PolicyResult, ...]:

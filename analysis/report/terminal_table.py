@@ -9,6 +9,7 @@ from .console_tables import plain_table
 from .summary import (
     HEADLINE,
     MetricColumn,
+    behind_text,
     describe_run,
     folded,
     keeps_text,
@@ -66,7 +67,8 @@ def explain(comparison: Comparison) -> str:
         f"{s.tuned_on}.\n"
         "Ranks are of those that keep it with .9 or more, by visible error (beyond "
         f"{comparison.visible:g} px), then visible pops, then lag, then work; within the margin of "
-        f"{comparison.margin:.0%} they share the rank.\n"
+        f"{comparison.margin:.0%} they share the rank; beside it: what told it from those "
+        "before.\n"
         f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
         f"{draws}."
     )
@@ -89,7 +91,9 @@ def _short_tables(comparison: Comparison, console: "Console") -> "Iterator[Table
 
 
 def _short_table(
-    comparison: Comparison, columns: tuple[MetricColumn, ...], label_width: int
+    comparison: Comparison,
+    columns: tuple[MetricColumn, ...],
+    label_width: int,
 ) -> "Table":
     from rich.text import Text
 
@@ -108,7 +112,12 @@ def _short_table(
         before = rank
         style = "bold green" if rank == "1" else ""
         cells = (column.text(policy) for column in columns)
-        names = (rank, Text(policy.label), Text(knob_words(policy)), keeps_text(policy))
+        names = (
+            f"{rank} {behind_text(policy)}".rstrip(),
+            Text(policy.label),
+            Text(knob_words(policy)),
+            keeps_text(policy),
+        )
         table.add_row(*names, *cells, style=style)
     return table
 

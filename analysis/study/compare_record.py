@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
+from ...base.content_hash import content_hash
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...traces.cameras.camera_trace import CameraTrace
@@ -10,7 +12,7 @@ from ..verdict.scores import LEVEL
 from ..verdict.verdict import Verdict
 from .code_hash import code_hash
 from .comparison import Comparison
-from .comparison_parts import Conditions, Provenance, Sampling
+from .comparison_parts import Conditions, Provenance, Sampling, UnitCosts
 from .replays import Bench
 
 
@@ -53,7 +55,8 @@ def make_comparison(
         curve=verdict.curves,
         worst_moments=verdict.worst_moments,
         robustness=verdict.robustness,
-        provenance=make_provenance(bench, command),
+        unit_costs=_unit_costs(hardware),
+        provenance=make_provenance(bench, margin, command),
     )
 
 
@@ -70,14 +73,26 @@ def make_sampling(
     return Sampling(LEVEL, seeds, draws, tuned_on)
 
 
-def make_provenance(bench: Bench, command: str) -> Provenance:
+def make_provenance(bench: Bench, margin: float, command: str) -> Provenance:
     """Return what made a result of a bench."""
     kinds = {bench.scene: "scene", bench.hardware: "hardware"}
     hashes = {  # a scene, a path and a machine may have one name
         f"{kinds.get(digest, 'path')} {value.name}": digest
         for digest, value in bench.inputs.items()
     }
-    return Provenance(command, version("lodbench"), code_hash(), hashes)
+    options = bench.options
+    settings = (options.budget_ms, bench.miss, options.visible_px, margin, bench.warmup_s)
+    settled = content_hash(*settings, bench.paths)
+    return Provenance(command, version("lodbench"), code_hash(), hashes, settled)
+
+
+def _unit_costs(hardware: HardwareProfile) -> UnitCosts:
+    sides = (GPU_PREDICTORS, hardware.gpu.linear_ms), (CPU_PREDICTORS, hardware.cpu.linear_ms)
+    gpu, cpu = (
+        {name: ms for name, ms in zip(names, unit_ms.tolist(), strict=True) if ms > 0.0}
+        for names, unit_ms in sides
+    )
+    return UnitCosts(gpu, cpu)
 
 
 def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:

@@ -18,6 +18,7 @@ from .comparison_parts import (
     Robustness,
     Sampling,
     Span,
+    UnitCosts,
     knob_text,
 )
 
@@ -72,6 +73,8 @@ class Comparison:
         By label, of the policies that were tuned.
     worst_moments : dict of str to Moment
         By label, when most work was done in any judged run.
+    unit_costs : UnitCosts
+        By which counts of frame logs are turned into time.
     """
 
     scene: str
@@ -97,6 +100,7 @@ class Comparison:
     curve: dict[str, Curve]
     worst_moments: dict[str, Moment]
     robustness: Robustness | None
+    unit_costs: UnitCosts
     provenance: Provenance
     schema: Literal["lodbench.compare/2"] = SCHEMA
 

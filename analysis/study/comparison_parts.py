@@ -103,6 +103,8 @@ class PolicyResult:
         From 1 among those that keep the budget; None of the others and of oracles.
     leader : str or None
         The policy from which those of its rank could not be told apart.
+    behind_by : str or None
+        The metric that puts its rank behind the one before; None of the first.
     same_as : str or None
         The policy that did the same in every run.
     metrics : dict of str to Score
@@ -121,6 +123,7 @@ class PolicyResult:
     keeps_budget: Keeps | None = None
     rank: int | None = None
     leader: str | None = None
+    behind_by: str | None = None
     same_as: str | None = None
     metrics: dict[str, Score] = field(default_factory=dict[str, Score])
     steps: tuple[Step, ...] = ()
@@ -248,6 +251,28 @@ class Elsewhere:
 
 
 @dataclass(frozen=True, slots=True)
+class Costlier:
+    """Who ranks first with a cost that nobody measured, read off curves of runs priced again.
+
+    Attributes
+    ----------
+    cost : str
+        In words that follow "with".
+    stands : bool
+        Whether the leader of the first rank stays in it.
+    first : tuple of str
+        Labels that share the first rank, the leader first; empty where no curve keeps the budget.
+    misses : tuple of str
+        Labels whose curve does not reach the budget.
+    """
+
+    cost: str
+    stands: bool
+    first: tuple[str, ...]
+    misses: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Robustness:
     """Over what the first rank stands, read off the curves.
 
@@ -259,21 +284,45 @@ class Robustness:
         Range of the machine's speed, as a factor within 0.5 to 2, over which it stays first.
     budgets : tuple of Elsewhere
         At 30, 60, 90 and 120 Hz.
+    costs : tuple of Costlier
+        With each cost that was tried; empty where frame logs do not count what it is of.
     """
 
     leader: str
     speed: Span
     budgets: tuple[Elsewhere, ...]
+    costs: tuple[Costlier, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """What made the result: command, version, and content hashes of what went in, by name."""
+    """What made the result.
+
+    Attributes
+    ----------
+    command, version : str
+    code : str
+        Hash of the sources that decide what a run results in.
+    hashes : dict of str to str
+        Content of scene, paths and hardware, by name.
+    settings : str
+        Hash of what the verdict was reached by: budget, miss, visible, margin, warm-up, and which
+        paths in which order.  Answers of two comparisons are about the same question if it is one.
+    """
 
     command: str
     version: str
     code: str
     hashes: dict[str, str]
+    settings: str
+
+
+@dataclass(frozen=True, slots=True)
+class UnitCosts:
+    """What one of each predictor costs in the mean machine: ms by predictor, of both sides."""
+
+    gpu: dict[str, float] = field(default_factory=dict[str, float])
+    cpu: dict[str, float] = field(default_factory=dict[str, float])
 
 
 def knob_text(policy: PolicyResult) -> str:

@@ -196,6 +196,14 @@ class Judging:
         values = tuned.values.tolist()
         work_ms = quantiles_ms(replays, label, values, self.rotation.scanned, self.seed)
         mean_ms = table("work_ms_mean")
+        scored = [
+            [replays[Place(label, path, self.seed, value)] for path in self.rotation.scanned]
+            for value in values
+        ]
+        added = {
+            name: np.array([[one.added_ms[name] for one in row] for row in scored])
+            for name in scored[0][0].added_ms
+        }
         return Curve(
             knob=tuned.values,
             p99_ms=work_ms,
@@ -204,6 +212,7 @@ class Judging:
             error_px=np.nan_to_num(table("visible_error_px")),
             pops_per_s=np.nan_to_num(table("visible_pops_per_s")),
             lag_ms=np.nan_to_num(table("lag_ms_mean")),
+            added_ms=added,
         )
 
 

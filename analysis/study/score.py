@@ -1,7 +1,8 @@
 """Replay one policy under one truth and score the run: what a worker process does."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from ...base.arrays import FloatArray
 from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
@@ -16,6 +17,7 @@ from ..metrics.metric_registry import METRICS
 from ..metrics.over_time import time_quantile
 from ..metrics.steps import Step, find_steps
 from ..metrics.worst_moment import Moment, find_worst_moment
+from .added_costs import works_with_added
 from .engine.task import Beat, NotApplicableError
 
 MISS = 0.01
@@ -66,6 +68,8 @@ class Scored:
         When most work was done.
     footing : Footing
         What there was to tell policies apart by.
+    added_ms : dict of str to float
+        As `judged_ms`, with each cost that nobody measured (see `added_costs`), by its name.
     """
 
     log: FrameLog | None
@@ -75,6 +79,7 @@ class Scored:
     judged_ms: float
     worst: Moment
     footing: Footing
+    added_ms: dict[str, float] = field(default_factory=dict[str, float])
 
     def __post_init__(self) -> None:
         # It may come from a process in which a policy replaced what makes it.
@@ -119,16 +124,22 @@ def score(world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat) -> Sco
     frames = measure(log, world.trace, world.warmup_s)
     values = {metric.id: metric(frames) for metric in METRICS}
     quantile = 1.0 - world.miss
-    judged_ms = time_quantile(frames.work_ms, frames.cost_weight_ms, quantile)
+
+    def judge(work_ms: FloatArray) -> float:
+        judged_ms = time_quantile(work_ms, frames.cost_weight_ms, quantile)
+        # Frames that are not shown within the window weigh nothing there: then each counts once.
+        return float(work_ms.max()) if judged_ms is None else judged_ms
+
+    added = works_with_added(frames, world.hardware)
     return Scored(
         log=log if keeps_log else None,
         values=values,
         steps=find_steps(frames),
         frames=len(log),
-        # Frames that are not shown within the window weigh nothing there: then each counts once.
-        judged_ms=float(frames.work_ms.max()) if judged_ms is None else judged_ms,
+        judged_ms=judge(frames.work_ms),
         worst=find_worst_moment(frames, world.hardware),
         footing=find_footing(frames, quantile),
+        added_ms={name: judge(work_ms) for name, work_ms in added},
     )
 
 

@@ -155,7 +155,9 @@ def _atlas() -> Stage:
 def _city() -> Stage:
     from ...models.scenes.city import street_route_m
 
-    return Stage((0.0, 0.0, 0.0), (960.0, 800.0), street_route_m())
+    # So high and far that every wall is in view: the HLOD thesis' fly-through (section 6.2).
+    moves = {"orbit": Move(1500.0, 15.0, 450.0)}
+    return Stage((0.0, 0.0, 0.0), (960.0, 800.0), street_route_m(), moves)
 
 
 def _soda_hall() -> Stage:

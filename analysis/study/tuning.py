@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from ...policies.knob import Knob
@@ -22,15 +23,18 @@ from ..verdict.operating_point import (
 )
 from .replays import Place, Replays
 
-SCANNED_VALUES = 6
+SCANNED_VALUES = 5
 """Values of a knob, its ends among them, that are replayed before anything is known."""
 SCANNED_PATHS = 4
 """Paths on which they are: enough to see where the budget lies, and for curves."""
-_STEP = 0.2
-"""Between values that are replayed on all paths until some keep the budget and some do not, of the
-distance of those that are scanned."""
+_BEYOND = 0.02
+"""By which a value is taken beyond where the last point of a training set should be, so that it is
+surely beyond it; twice as much at every further try."""
+_POINTS = 129  # at which that is looked for
 _NARROW_OF_FOLDS = 0.12
 """Width of the bracket about the operating point of a fold: paths judge at its coarse end."""
+_NEAR, _NEAR_OF_FOLDS = 0.03, 0.06
+"""Change of the work over a bracket, as a share, that is small enough whatever its width."""
 MOST_VALUES = 18
 """Values of a knob that are replayed at most."""
 
@@ -140,8 +144,9 @@ class _Search:
         self._replays, self._rotation = replays, rotation
         self._label, self._knob, self._budget_ms, self._seed = label, knob, budget_ms, seed
         self._known = list(knob.values(SCANNED_VALUES))  # on the scanned paths, coarse to fine
-        self._whole: list[float] = []  # of these, on all training paths
-        self._steps = 0  # taken from the first of them
+        # Of these, on all training paths.
+        self._whole = list(self._known) if rotation.scanned == rotation.training else []
+        self._tries = 0  # to have the points of all training sets between two of these
 
     def scan(self) -> list[Place]:
         """Return the replays over the whole range."""
@@ -167,11 +172,11 @@ class _Search:
         sure = [keeps_surely(np.log(work_ms[:, paths] / self._budget_ms)) for paths in training]
         # Every set needs a value that keeps the budget beside a finer one that does not, or an end.
         if not all(of.any() for of in sure):
-            beside = self._step(self._whole[0], -1)
+            beside = self._beyond(-1, training)
             if beside is not None:
                 return beside
         if any(of[-1] for of in sure):
-            beside = self._step(self._whole[-1], 1)
+            beside = self._beyond(1, training)
             if beside is not None:
                 return beside
         if hopeful := self._hopeful():
@@ -180,8 +185,12 @@ class _Search:
             return None
         values, scale = np.array(self._whole), self._knob.scale
         everyone, *folds = training
-        for sets, narrow in (([everyone], NARROW), (folds, _NARROW_OF_FOLDS)):
-            after = next_knob(values, work_ms, self._budget_ms, scale, sets, self._share(narrow))
+        for sets, narrow, near in (
+            ([everyone], NARROW, _NEAR),
+            (folds, _NARROW_OF_FOLDS, _NEAR_OF_FOLDS),
+        ):
+            share = self._share(narrow)
+            after = next_knob(values, work_ms, self._budget_ms, scale, sets, share, near)
             if after is not None:
                 break
         if after is None:
@@ -223,13 +232,29 @@ class _Search:
         ln_ratio = np.log(self._work_ms(finer, self._rotation.scanned) / self._budget_ms)
         return [v for v, of in zip(finer, ln_ratio.mean(axis=1).tolist(), strict=True) if of <= 0.0]
 
-    def _step(self, value: float, way: int) -> float | None:
-        """Return the value a step finer (1) or coarser (-1), None at an end of the range."""
-        self._steps += 1  # each twice as long as the one before
-        length = _STEP * 2.0 ** (self._steps - 1) / (SCANNED_VALUES - 1)
-        at = self._knob.where(value) + way * length
-        stepped = self._knob.at(min(max(at, 0.0), 1.0))
-        return None if stepped == value or stepped in self._whole else stepped
+    def _beyond(self, way: int, training: Sequence[NDArray[np.int64]]) -> float | None:
+        """Return the value beyond which, finer (1) or coarser (-1), no set should have its point.
+
+        Work is taken to change from the last value that was replayed on all paths as it does on the
+        scanned ones in the mean.  None at an end of the range.
+        """
+        edge = self._whole[0 if way < 0 else -1]
+        here = self._knob.where(edge)
+        shares = np.linspace(here, 0.0 if way < 0 else 1.0, _POINTS)
+        known = [self._knob.where(value) for value in self._known]
+        ln_ms = np.log(self._work_ms(self._known, self._rotation.scanned)).mean(axis=1)
+        rise: FloatArray = np.interp(shares, known, ln_ms) - np.interp(here, known, ln_ms)
+        ln_ratio = np.log(self._work_ms([edge], self._rotation.training) / self._budget_ms)
+        beyond = [
+            keeps_surely(rise[:, None] + ln_ratio[:, paths]) == (way < 0) for paths in training
+        ]
+        last = max(int(of.argmax()) if of.any() else _POINTS - 1 for of in beyond)
+        # Without a margin every other prediction would fall short, and cost another value.
+        margin = abs(self._knob.where(edge * (1.0 + _BEYOND)) - self._knob.where(edge))
+        margin = max(margin, 1e-3) * 2.0**self._tries
+        self._tries += 1
+        stepped = self._knob.at(min(max(float(shares[last]) + way * margin, 0.0), 1.0))
+        return None if stepped == edge or stepped in self._whole else stepped
 
     def _is_monotone(self) -> bool:
         work_ms = self._work_ms(self._known, self._rotation.scanned)

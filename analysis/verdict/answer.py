@@ -94,8 +94,16 @@ def _how_sure(
     low, high = robustness.speed
     return (
         f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
-        "the speed."
+        f"the speed{_with_costs(robustness)}."
     )
+
+
+def _with_costs(robustness: Robustness) -> str:
+    """Return with which unmeasured costs the leader stays first, and with which not."""
+    stays = [item.cost for item in robustness.costs if item.stands]
+    falls = [item.cost for item in robustness.costs if not item.stands]
+    words = f", and with {_listed(stays)}" if stays else ""
+    return f"{words}, but not with {_listed(falls)}" if falls else words
 
 
 def _who_misses(policies: Sequence[PolicyResult], budget: str) -> str:

@@ -36,8 +36,10 @@ class Chances:
     regret: FloatArray
 
 
-def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
+def chances(criterion: Criterion, draws: int = 4000, seed: int = 0, spread: float = 1.0) -> Chances:
     """Return each policy's chances in one metric; nan from one path.
+
+    `spread` is the factor on the spread of paths, see `tuning_spread`.
 
     Source: Geisser and Cornfield, Journal of the Royal Statistical Society B 25 (1963), for the
     posterior; Chick and Inoue, Operations Research 49 (2001), for expected regret.
@@ -47,8 +49,8 @@ def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
         nothing = np.full(policies, np.nan)
         return Chances(nothing, nothing, nothing)
     # Shrunk means would be too sure that all are near the best; plain ones, that one is the best.
-    leads = _posterior([criterion], draws, seed, shrunk=True)[0]
-    sampled = _posterior([criterion], draws, seed, shrunk=False)[0]
+    leads = _posterior([criterion], draws, seed, spread, shrunk=True)[0]
+    sampled = _posterior([criterion], draws, seed, spread, shrunk=False)[0]
     best = sampled.min(axis=1, keepdims=True)
     within = beyond_margin(sampled, best, criterion) <= 0
     return Chances(
@@ -59,19 +61,24 @@ def chances(criterion: Criterion, draws: int = 4000, seed: int = 0) -> Chances:
 
 
 def order_chances(
-    criteria: Sequence[Criterion], draws: int = 4000, seed: int = 0, regret_in: str = ""
+    criteria: Sequence[Criterion],
+    draws: int = 4000,
+    seed: int = 0,
+    regret_in: str = "",
+    spread: float = 1.0,
 ) -> Chances:
     """Return each policy's chances in the order of the criteria; nan from one path.
 
     In a draw, who is within the margin of the best in one criterion is judged by the next.  The
     best is who is left with the best mean of the last; within the margin is who is left by its
-    margin too.  The regret is that of the criterion `regret_in`, else of the first.
+    margin too.  The regret is that of the criterion `regret_in`, else of the first.  `spread` is as
+    in `chances`.
     """
     policies, n = criteria[0].values.shape
     if n < 2:
         nothing = np.full(policies, np.nan)
         return Chances(nothing, nothing, nothing)
-    sampled = _posterior(criteria, draws, seed, shrunk=True)
+    sampled = _posterior(criteria, draws, seed, spread, shrunk=True)
     left: BoolArray = np.ones((draws, policies), dtype=np.bool_)
     best = left
     for criterion, means in zip(criteria, sampled, strict=True):
@@ -84,8 +91,20 @@ def order_chances(
     return Chances(_shared(best), left.mean(axis=0), regret.mean(axis=0))
 
 
+def tuning_spread(turns: int) -> float:
+    """Return by what factor means of tuned policies vary more than their paths let them seem.
+
+    The knobs of J turns are tuned on sets that share most of their paths, so that what is measured
+    in one turn goes with what is in the others: the variance of the mean is 1 + J / (J − 1) times
+    that of independent paths.
+
+    Source: Nadeau and Bengio, Inference for the generalization error, Machine Learning 52 (2003).
+    """
+    return float(np.sqrt(1.0 + turns / (turns - 1.0)))
+
+
 def _posterior(
-    criteria: Sequence[Criterion], draws: int, seed: int, *, shrunk: bool
+    criteria: Sequence[Criterion], draws: int, seed: int, spread: float, *, shrunk: bool
 ) -> list[FloatArray]:
     """Return draws of the P means in each criterion, (R, P), turned so that less is better.
 
@@ -100,6 +119,9 @@ def _posterior(
     sampled: list[FloatArray] = []
     for criterion in criteria:
         values = criterion.turned()
+        if spread != 1.0:
+            mean = values.mean(axis=1, keepdims=True)
+            values = mean + spread * (values - mean)
         assert values.shape == criteria[0].values.shape
         # Identical policies are sampled once: a matrix product may round equal rows differently.
         rows, of_row = np.unique(values, axis=0, return_inverse=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -9,7 +10,6 @@ from scipy.special import stdtr, stdtrit
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...sim.frame_log import CONSTANT, FrameLog
 from ..metrics.metric import Better
 from ..metrics.metric_registry import find_metric
@@ -31,13 +31,10 @@ WATCHED = (
 _ALPHA = 0.05
 """Chance that any change of all is told although there is none."""
 
-_PREDICTORS = tuple(
-    name for name in dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)) if name not in CONSTANT
-)
-
-
 _ByPath: TypeAlias = Mapping[str, Mapping[str, FloatArray]]
 _Values: TypeAlias = Mapping[str, _ByPath]
+_Side: TypeAlias = Literal["gpu", "cpu"]
+_Term: TypeAlias = tuple[_Side, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +72,11 @@ class PolicyChange:
         None where it does not keep the budget.
     knob_before, knob_after : str
     term : str
-        The predictor whose mean on the first path changed by the largest factor; empty if none did.
-    term_ratio : float
-        After over before.
+        The predictor whose cost a frame changed most on the first path; empty if none did.
+    side : "gpu" or "cpu"
+        Whose cost that is.
+    term_ms : float
+        By how much: counts times what one of them costs, after less before.
     """
 
     policy: str
@@ -86,7 +85,8 @@ class PolicyChange:
     knob_before: str
     knob_after: str
     term: str
-    term_ratio: float
+    side: _Side
+    term_ms: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ class Changes:
     metrics: tuple[Change, ...]
     only_before: tuple[str, ...]
     only_after: tuple[str, ...]
-    schema: Literal["lodbench.changes/1"] = "lodbench.changes/1"
+    schema: Literal["lodbench.compare-changes/2"] = "lodbench.compare-changes/2"
 
 
 def find_changes(before: "Compared", after: "Compared") -> Changes:
@@ -138,7 +138,9 @@ def find_changes(before: "Compared", after: "Compared") -> Changes:
         paired=paired,
         conditions=tuple(_differing(before.comparison, after.comparison)),
         policies=tuple(
-            _policy_change(then[label], now[label], before.logs[label], after.logs[label])
+            _policy_change(
+                then[label], now[label], _terms_ms(before, label), _terms_ms(after, label)
+            )
             for label in both
         ),
         metrics=metrics,
@@ -258,26 +260,41 @@ def _change(
     return Change(label, metric, of.unit, of.better, before, after, low, high, beyond_noise)
 
 
+def _terms_ms(compared: "Compared", label: str) -> dict[_Term, float]:
+    """Return what each term costs a frame on the first path, in the mean."""
+    log, costs = compared.logs[label], compared.comparison.unit_costs
+    return dict(chain(_side_ms(log, "gpu", costs.gpu), _side_ms(log, "cpu", costs.cpu)))
+
+
+def _side_ms(
+    log: FrameLog, side: _Side, unit_ms: Mapping[str, float]
+) -> Iterator[tuple[_Term, float]]:
+    for name, ms in unit_ms.items():
+        if name in CONSTANT:  # the same in every frame, and no column of a log
+            continue
+        mean = float(log[name].mean())
+        if np.isfinite(mean):
+            yield (side, name), ms * mean
+
+
 def _policy_change(
-    then: PolicyResult, now: PolicyResult, log_then: FrameLog, log_now: FrameLog
+    then: PolicyResult,
+    now: PolicyResult,
+    ms_then: Mapping[_Term, float],
+    ms_now: Mapping[_Term, float],
 ) -> PolicyChange:
-    ratios = {name: _ratio(log_then[name], log_now[name]) for name in _PREDICTORS}
-    term = max(ratios, key=lambda name: abs(np.log(ratios[name])))
-    known = ratios[term] != 1.0
+    changed = {
+        term: ms_now.get(term, 0.0) - ms_then.get(term, 0.0) for term in {**ms_then, **ms_now}
+    }
+    side, name = max(changed, key=lambda term: abs(changed[term]), default=("gpu", ""))
+    term_ms = changed.get((side, name), 0.0)
     return PolicyChange(
         policy=now.label,
         rank_before=then.rank,
         rank_after=now.rank,
         knob_before=knob_text(then),
         knob_after=knob_text(now),
-        term=term if known else "",
-        term_ratio=ratios[term],
+        term=name if term_ms else "",
+        side=side,
+        term_ms=term_ms,
     )
-
-
-def _ratio(then: FloatArray, now: FloatArray) -> float:
-    """Return the ratio of two means, 1 where one is 0 or not known."""
-    means = float(then.mean()), float(now.mean())
-    if not all(np.isfinite(mean) and mean > 0.0 for mean in means):
-        return 1.0
-    return means[1] / means[0]

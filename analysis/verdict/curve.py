@@ -1,6 +1,7 @@
 """What a policy makes of any budget: picture, pops and lag over its knob, and two such compared."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -27,6 +28,8 @@ class Curve:
         The p99 over time of the work, which budgets judge, and its mean.
     error_px, pops_per_s, lag_ms : (K, n) float64
         Visible error, visible pops, mean lag.
+    added_ms : mapping of str to (K, n) float64
+        As `p99_ms`, with each cost that nobody measured, by its name.
     """
 
     knob: FloatArray
@@ -35,6 +38,7 @@ class Curve:
     error_px: FloatArray
     pops_per_s: FloatArray
     lag_ms: FloatArray
+    added_ms: Mapping[str, FloatArray] = field(default_factory=dict[str, FloatArray])
 
     def interval(self, quantity: Quantity, level: float = 0.9) -> tuple[Interval, ...]:
         """Return the interval of a quantity over such paths at each of the K values."""

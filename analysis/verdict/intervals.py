@@ -75,6 +75,7 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
     "signed": Student's t.  "positive": t on the logarithm of the mean, which reaches further up
     than down.  "share", and "positive" with zeros among them: the share of paths with any (beta;
     exact if no path has) times the mean of those (t on its logarithm), at most 1 for a share.
+    "capped": what is missing to the best of the paths, as such a share of it.
     Of one path there is none: nan.  `needed` counts paths.
 
     Parameters
@@ -92,34 +93,10 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
         return _of_signed(values, level)
     if kind == "positive" and bool((values > 0).all()):
         return _of_positive(values, level)
+    if kind == "capped" and (best := float(values.max())) > 0.0:
+        missing = _of_two_parts(1.0 - values / best, 1.0, level)
+        return replace(missing, low=best * (1.0 - missing.high), high=best * (1.0 - missing.low))
     return _of_two_parts(values, 1.0 if kind == "share" else np.inf, level)
-
-
-def difference(
-    values_a: FloatArray, values_b: FloatArray, kind: Kind, level: float = 0.9
-) -> Interval | None:
-    """Return the interval of the mean of a − b over such paths, or None for an extreme.
-
-    Of the paired differences as of a "signed" metric.  Where fewer than four paths differ, as with
-    budgets that are rarely missed, their spread says nothing: then the intervals of both sides are
-    joined by the squares of what they reach (MOVER), as if they were not paired, which is wide.
-
-    Parameters
-    ----------
-    values_a, values_b : (n,) float64
-        Of two policies on the same n paths.
-    """
-    a, b = such_paths(values_a, kind, level), such_paths(values_b, kind, level)
-    if a is None or b is None:
-        return None
-    values = values_a - values_b
-    if kind == "signed" or np.isnan(a.low) or np.count_nonzero(values) >= _FEWEST:
-        return such_paths(values, "signed", level)
-    mean_a, mean_b = float(values_a.mean()), float(values_b.mean())
-    low = mean_a - mean_b - np.hypot(mean_a - a.low, b.high - mean_b)
-    high = mean_a - mean_b + np.hypot(a.high - mean_a, mean_b - b.low)
-    needed = max((of.needed for of in (a, b) if of.needed is not None), default=None)
-    return Interval(float(low), float(high), enough=a.enough and b.enough, needed=needed)
 
 
 def with_machine(
@@ -236,8 +213,13 @@ def _judged(low: float, high: float, n: int, skew: float) -> Interval:
 
 
 def welch_degrees(errors: FloatArray, each: float) -> float:
-    """Return Welch's degrees of freedom of a sum of variances, (n,), of `each` degrees."""
+    """Return Welch's degrees of freedom of a sum of variances, (n,), of `each` degrees.
+
+    They are between those of one of the variances and those of all together, where the estimate,
+    which is free of bias in the mean, may go beyond either.
+    """
+    most = each * len(errors)
     squares = float((errors**2).sum()) / (each + 2)
     if squares == 0:
-        return each * len(errors)
-    return max(float(errors.sum()) ** 2 / squares - 2, each)
+        return most
+    return min(max(float(errors.sum()) ** 2 / squares - 2, each), most)

@@ -4,9 +4,10 @@ from typing import Literal
 
 from ..metrics.metric import Metric
 
-Kind = Literal["positive", "share", "signed", "extreme"]
+Kind = Literal["positive", "share", "signed", "capped", "extreme"]
 """positive: never negative, skewed upwards.  share: of time or frames, in [0, 1], often 0.
-signed: of either sign, or nearly symmetric.  extreme: a maximum, shown as observed."""
+signed: of either sign, or nearly symmetric.  capped: at its best on most paths, as a rate that the
+display bounds, and below on some.  extreme: a maximum, shown as observed."""
 
 _EXTREMES = frozenset(
     {
@@ -27,4 +28,6 @@ def kind_of(metric: Metric) -> Kind:
         return "extreme"
     if metric.id in _NEAR_ONE:
         return "signed"
+    if metric.unit == "fps":
+        return "capped"
     return "share" if metric.unit == "fraction" else "positive"

@@ -85,6 +85,7 @@ def next_knob(
     scale: Scale,
     training: Sequence[NDArray[np.int64]],
     narrow_enough: float = NARROW,
+    near_enough: float = 0.0,
 ) -> float | None:
     """Return the knob's value to replay next on all paths, or None where all is known well enough.
 
@@ -104,6 +105,9 @@ def next_knob(
     narrow_enough : float
         Width of a bracket that is left: a ratio less 1 on a log scale, a share of the range on a
         linear one.
+    near_enough : float
+        Change of ln p99 over a bracket, in the mean over paths, that is left too: where a knob
+        hardly moves the work, its value need not be known as well.
     """
     ln_ratio = np.log(p99_ms / budget_ms)
     at = np.log(values) if scale == "log" else values
@@ -113,7 +117,8 @@ def next_knob(
         sure = np.flatnonzero(keeps_surely(ln_ratio[:, paths]))
         if len(sure) and sure[-1] + 1 < len(at):
             i = int(sure[-1])
-            if abs(at[i + 1] - at[i]) > narrow:
+            change = abs(float((ln_ratio[i + 1, paths] - ln_ratio[i, paths]).mean()))
+            if abs(at[i + 1] - at[i]) > narrow and change > near_enough:
                 crossing = _crossing(ln_ratio[i, paths], ln_ratio[i + 1, paths])
                 waiting.setdefault(i, []).append(crossing)
     if not waiting:

@@ -107,20 +107,6 @@ def holm(p: Sequence[float] | FloatArray, alpha: float = FAIL_ALPHA) -> BoolArra
     return rejected
 
 
-def judge(
-    excesses: Sequence[FloatArray], alpha: float = FAIL_ALPHA, level: float = PASS_LEVEL
-) -> tuple[Judgement, ...]:
-    """Return the judgement of each of m limits, from what its replicates exceed it by.
-
-    Parameters
-    ----------
-    excesses : m arrays (R,) or (n, S) float64
-        As `by_t` takes them; limits may have replicates of their own number.
-    """
-    found = [by_t(of, alpha / len(excesses), level) for of in excesses]
-    return decide(found, alpha)
-
-
 def decide(evidence: Sequence[Evidence], alpha: float = FAIL_ALPHA) -> tuple[Judgement, ...]:
     """Return the judgement of each of m limits, from what is known of it.
 

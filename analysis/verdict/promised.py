@@ -38,7 +38,7 @@ def at_most(
     """
     beyond = values - limit
     some = values[values > 0]
-    if kind == "signed" or (kind == "positive" and not len(some)) or limit < 0.0:
+    if kind in ("signed", "capped") or (kind == "positive" and not len(some)) or limit < 0.0:
         return by_t(beyond, alpha, level)
     found = such_paths(values, kind, 2.0 * level - 1.0)
     assert found is not None, "an extreme has no mean"

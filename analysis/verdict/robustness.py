@@ -1,13 +1,13 @@
-"""How far the first rank stands: at other speeds of the machine and other refresh rates.
+"""How far the first rank stands: at other speeds, other refresh rates, and with other costs.
 
 Nothing is replayed: a machine of speed f does the work of the curve in 1/f of the time, so that
 its operating point is the one for f times the budget.  That is exact for costs which all scale
 alike, and for policies that decide by the picture; for controllers it takes their aim as the
-scene's own scale.
+scene's own scale.  Costs that nobody measured are added to runs as they were (see `added_costs`).
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,10 @@ class Robustness:
         budget; empty if nobody keeps it.
     misses : mapping of float to tuple of str
         By Hz, who does not reach that budget with the coarsest value of its knob.
+    with_costs : mapping of str to tuple of str
+        As `at_refresh`, with each cost that nobody measured, by its name, at the budget.
+    misses_with : mapping of str to tuple of str
+        By such a cost, who does not reach the budget.
     """
 
     first: tuple[str, ...]
@@ -46,6 +50,8 @@ class Robustness:
     speed_high: float | None
     at_refresh: Mapping[float, tuple[str, ...]]
     misses: Mapping[float, tuple[str, ...]]
+    with_costs: Mapping[str, tuple[str, ...]]
+    misses_with: Mapping[str, tuple[str, ...]]
 
 
 def robustness(
@@ -70,6 +76,13 @@ def robustness(
     points = {label: of.at(budget_ms) for label, of in fine.items()}
     first = _first(points, relative)
     refresh = {hz: {label: of.at(1e3 / hz) for label, of in fine.items()} for hz in REFRESH_HZ}
+    costlier = {
+        cost: {
+            label: _Fine.of(replace(curve, p99_ms=curve.added_ms[cost]), known_paths).at(budget_ms)
+            for label, curve in curves.items()
+        }
+        for cost in _common_costs(curves)
+    }
     low = high = None
     if first:
 
@@ -89,7 +102,20 @@ def robustness(
             hz: tuple(label for label, point in there.items() if point is None)
             for hz, there in refresh.items()
         },
+        with_costs={cost: _first(there, relative) for cost, there in costlier.items()},
+        misses_with={
+            cost: tuple(label for label, point in there.items() if point is None)
+            for cost, there in costlier.items()
+        },
     )
+
+
+def _common_costs(curves: Mapping[str, Curve]) -> list[str]:
+    """Return the added costs that all curves know."""
+    if not curves:
+        return []
+    first, *others = curves.values()
+    return [cost for cost in first.added_ms if all(cost in of.added_ms for of in others)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

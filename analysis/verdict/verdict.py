@@ -9,6 +9,7 @@ from ...base.arrays import FloatArray
 from ..metrics.worst_moment import Moment
 from ..study.comparison_parts import (
     Chances,
+    Costlier,
     Curve,
     Elsewhere,
     Keeps,
@@ -21,6 +22,7 @@ from . import curve as curves_of
 from .answer import ORDER, SEEN, answer
 from .criterion import LAG_MARGIN_MS, PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Criterion
 from .folding import fold_identical
+from .folds import folds
 from .judged import Judged
 from .keeping import keeping, p_keeps
 from .operating_point import SURE
@@ -213,7 +215,7 @@ def _in_order(
         if stands_for not in place:
             return result
         group, _ = place[stands_for]
-        return replace(result, rank=group.rank, leader=group.leader)
+        return replace(result, rank=group.rank, leader=group.leader, behind_by=group.behind_by)
 
     def key(result: PolicyResult) -> tuple[object, ...]:
         stands_for = result.same_as or result.label
@@ -242,9 +244,15 @@ def _chances(
     def shown(of: chances_of.Chances) -> Chances:
         return Chances(named(of.p_best), named(of.p_within_margin), named(of.regret))
 
-    each = {item.name: shown(chances_of.chances(item, seed=seed)) for item in criteria}
+    paths = len(rivals[0].runs)
+    tuned = any(item.knob is not None and item.knob.tuned for item in rivals)
+    # One path alone is judged at knobs that its noise had no part in.
+    spread = chances_of.tuning_spread(len(folds(paths))) if tuned and paths > 1 else 1.0
+    each = {
+        item.name: shown(chances_of.chances(item, seed=seed, spread=spread)) for item in criteria
+    }
     # What choosing wrongly costs is told in what is seen.
-    order = chances_of.order_chances(criteria, seed=seed, regret_in=SEEN[0])
+    order = chances_of.order_chances(criteria, seed=seed, regret_in=SEEN[0], spread=spread)
     return shown(order), each
 
 
@@ -267,7 +275,12 @@ def _robustness(curves: Mapping[str, curves_of.Curve], terms: Terms) -> Robustne
     budgets = tuple(
         Elsewhere(hz, 1e3 / hz, first, found.misses[hz]) for hz, first in found.at_refresh.items()
     )
-    return Robustness(found.first[0], (found.speed_low, found.speed_high), budgets)
+    leader = found.first[0]
+    costs = tuple(
+        Costlier(cost, leader in first, first, found.misses_with[cost])
+        for cost, first in found.with_costs.items()
+    )
+    return Robustness(leader, (found.speed_low, found.speed_high), budgets, costs)
 
 
 def _shown_curves(

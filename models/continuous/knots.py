@@ -55,12 +55,14 @@ class OrderedSurface:
     drawn: DrawnVertices | None
 
     @classmethod
-    def of(cls, full: SurfaceMesh, *, keep_texture: bool = False) -> "OrderedSurface":
-        """Collapse and order a surface."""
+    def of(
+        cls, full: SurfaceMesh, *, keep_texture: bool = False, poses: FloatArray | None = None
+    ) -> "OrderedSurface":
+        """Collapse and order a surface, by its mean cost over `poses`, (P, V, 3), if it moves."""
         if keep_texture:
-            drawn, contraction = contract_textured(full)
+            drawn, contraction = contract_textured(full, poses)
             return cls(full, order_mesh(drawn.corner, contraction), drawn)
-        contraction = contract(full.positions[None], full.faces)
+        contraction = contract(full.positions[None] if poses is None else poses, full.faces)
         return cls(full, order_mesh(full.faces, contraction), None)
 
     def extract(self, triangles: int) -> tuple[IntArray, IntArray, IntArray]:

@@ -123,19 +123,26 @@ def splat_levels(tree: SplatTree, *, knots: int = 12, trees: int = 1) -> LevelTa
     """Return the continuous type of a group of equal splat trees, one draw call a tree.
 
     Knots are geometrically spaced from a splat a leaf to a splat a tree; errors are measured, and
-    raised to that of the finer knot where they are below.
+    raised to that of the finer knot where they are below.  Below a splat a tree "only the
+    corresponding fraction of the group is rendered" (section 5.4): the last knot of a group is one
+    tree of one splat, at the error of a tree that is not there, its size.
 
     Raises `InputError` if there are fewer than two knots, or no tree.
     """
     if knots < 2 or trees < 1:
         raise InputError(f"expected at least 2 knots and 1 tree, got {knots} and {trees}")
     budgets = np.unique(np.geomspace(1, len(tree), knots).round().astype(np.int64))[::-1]
-    counts = count_rows(len(budgets), draw_calls=trees, splats=trees * budgets)
+    drawn, splats = np.full(len(budgets), trees), trees * budgets
     errors = [tree.error_m(tree.draw(int(budget))) for budget in budgets]
+    sizes = _SPLAT_BYTES * budgets.astype(np.float64)
+    if trees > 1:
+        drawn, splats = np.append(drawn, 1), np.append(splats, 1)
+        errors.append(float(np.linalg.norm(np.ptp(tree.position_m, axis=0))))
+        sizes = np.append(sizes, sizes[-1])
     return LevelTable(
-        np.array([0, len(budgets)]),
-        counts,
+        np.array([0, len(splats)]),
+        count_rows(len(splats), draw_calls=drawn, splats=splats),
         np.maximum.accumulate(errors),
-        _SPLAT_BYTES * budgets.astype(np.float64),
+        sizes,
         np.array([True]),
     )

@@ -46,6 +46,15 @@ class TerrainQuadtree:
         """Vertices of each patch."""
         return (self.patch + 1) ** 2
 
+    @property
+    def sent_vertices(self) -> int:
+        """Vertices that are sent to draw a patch as triangle strips, one a row of quads.
+
+        A vertex inside is sent twice, once for the row on either side; what joins the strips is not
+        counted.
+        """
+        return 2 * self.patch * (self.patch + 1)
+
 
 def build_terrain(height_m: FloatArray, cell_m: float, *, patch: int = 32) -> TerrainQuadtree:
     """Return the quadtree of a square field of heights, rows south to north.

@@ -77,7 +77,11 @@ def _footprint_radius_m(tree: Hlod) -> float:
 
 
 def _types(trees: Sequence[Hlod]) -> ObjectTypes:
-    """Return a type for each node of each tree, in a sphere about its box."""
+    """Return a type for each node of each tree, in a sphere about its box and its children's.
+
+    So nothing below a node that is out of view is in view: a child's sphere stands out of its
+    parent's even where its box does not.
+    """
     low = np.concatenate([tree.low_m for tree in trees])
     high = np.concatenate([tree.high_m for tree in trees])
     nodes = len(low)
@@ -89,5 +93,18 @@ def _types(trees: Sequence[Hlod]) -> ObjectTypes:
         np.concatenate([tree.bytes for tree in trees]),
         np.zeros(nodes, dtype=np.bool_),
     )
-    radius = np.linalg.norm(high - low, axis=1) / 2.0
-    return ObjectTypes(names, (low + high) / 2.0, radius, levels)
+    center_m, radius = (low + high) / 2.0, np.linalg.norm(high - low, axis=1) / 2.0
+    first = np.cumsum([0, *(len(tree.meshes) for tree in trees)])
+    for tree, begin in zip(trees, first.tolist(), strict=False):
+        for node in range(len(tree.meshes) - 1, 0, -1):  # parents stand before their children
+            child, parent = begin + node, begin + int(tree.parent[node])
+            gap_m = float(np.linalg.norm(center_m[child] - center_m[parent]))
+            radius[parent] = max(radius[parent], gap_m + radius[child])
+    return ObjectTypes(
+        names,
+        center_m,
+        radius,
+        levels,
+        surface_m2=np.concatenate([tree.surface_m2 for tree in trees]),
+        normal=np.concatenate([tree.normal for tree in trees]),
+    )

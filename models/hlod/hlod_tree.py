@@ -73,6 +73,10 @@ class Hlod:
         In the order of `LEVEL_PREDICTORS`.
     error_m : (N,) float64
         That of the whole level, measured against the full mesh.
+    surface_m2 : (N,) float64
+        Area of each node's triangles.
+    normal : (N, 3) float64
+        Mean of their normals by area, of length 1, or 0 where they cancel (thesis, section 3.3).
     low_m, high_m : (N, 3) float64
         Bounding boxes.
     bytes : (N,) float64
@@ -85,6 +89,8 @@ class Hlod:
     depth: Annotated[IntArray, np.int32, "N"]
     counts: Annotated[FloatArray, np.float64, "N", len(LEVEL_PREDICTORS)]
     error_m: Annotated[FloatArray, np.float64, "N"]
+    surface_m2: Annotated[FloatArray, np.float64, "N"]
+    normal: Annotated[FloatArray, np.float64, "N", 3]
     low_m: Annotated[FloatArray, np.float64, "N", 3]
     high_m: Annotated[FloatArray, np.float64, "N", 3]
     bytes: FloatArray = field(init=False)
@@ -123,8 +129,20 @@ def _texture_shares(
 
 
 def _areas(mesh: SurfaceMesh) -> FloatArray:
+    return np.linalg.norm(_directed_areas(mesh), axis=1)
+
+
+def _directed_areas(mesh: SurfaceMesh) -> FloatArray:
+    """Return the normal of each triangle, as long as its area, (F, 3)."""
     a, b, c = (mesh.positions[mesh.faces[:, i]] for i in range(3))
-    return np.linalg.norm(np.cross(b - a, c - a) / 2.0, axis=1)
+    return np.cross(b - a, c - a) / 2.0
+
+
+def _mean_normal(mesh: SurfaceMesh) -> FloatArray:
+    total: FloatArray = _directed_areas(mesh).sum(axis=0)
+    length = float(np.linalg.norm(total))
+    # A closed piece faces nowhere: what is left of its sum is rounding.
+    return total / length if length > 1e-9 * _areas(mesh).sum() else np.zeros(3)
 
 
 def _gather(
@@ -149,6 +167,8 @@ def _gather(
         np.repeat(np.arange(len(pieces)), sizes),
         table,
         np.repeat(errors, sizes),
+        np.array([float(_areas(piece).sum()) for piece in nodes]),
+        np.stack([_mean_normal(piece) for piece in nodes]),
         np.stack([piece.positions.min(axis=0) for piece in nodes]),
         np.stack([piece.positions.max(axis=0) for piece in nodes]),
     )

@@ -121,7 +121,7 @@ class FrameCost:
         load = self.load(row, fraction) if load is None else load
         if pixel_share != 1.0:
             seen = InPicture(seen, pixel_share)
-        shape = FrameShape(pixel_share * viewport_px, load.types, changes)
+        shape = FrameShape(pixel_share * viewport_px, load.types, changes, len(row))
         if shape != self._last_shape:
             self._last_shape = shape
             self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
@@ -163,9 +163,9 @@ class FrameCost:
         """Return the units of a priced frame by GPU predictor."""
         return dict(zip(GPU_PREDICTORS, price.units, strict=True))
 
-    def fixed_ms(self, viewport_px: float, types: int) -> float:
-        """Return what a frame of so many distinct types costs before its first object."""
-        shape = FrameShape(viewport_px, types)
+    def fixed_ms(self, viewport_px: float, types: int, objects: int = 1) -> float:
+        """Return what a frame of so many distinct types and objects costs before its first one."""
+        shape = FrameShape(viewport_px, types, objects=objects)
         ms = self.model.base_ms
         for _, term, unit_ms in self._frame_terms:
             ms += unit_ms * term.count(shape)

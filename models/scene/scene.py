@@ -36,6 +36,11 @@ class ObjectTypes:
     disc_share : (K,) float64
         Share of the bounding sphere's disc that the type covers, in (0, 1]; `DISC_SHARE` where it
         was not measured.
+    surface_m2 : (K,) float64
+        Area of the triangles of the finest level, before scale; 0 where it was not measured.
+    normal : (K, 3) float64
+        Mean of the triangles' normals by area, of length 1; 0 where they cancel or were not
+        measured.
     """
 
     names: tuple[str, ...]
@@ -43,13 +48,23 @@ class ObjectTypes:
     radius_m: Annotated[FloatArray, np.float64, "K"]
     levels: LevelTable
     disc_share: Annotated[FloatArray, np.float64, "K"] = field(default_factory=lambda: np.zeros(0))
+    surface_m2: Annotated[FloatArray, np.float64, "K"] = field(default_factory=lambda: np.zeros(0))
+    normal: Annotated[FloatArray, np.float64, "K", 3] = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         k = len(self.names)
-        if len(self.disc_share) == 0:
-            derive(self, disc_share=np.full(k, DISC_SHARE))
+        unmeasured = {
+            "disc_share": np.full(k, DISC_SHARE),
+            "surface_m2": np.zeros(k),
+            "normal": np.zeros((k, 3)),
+        }
+        for name, values in unmeasured.items():
+            if len(getattr(self, name)) == 0:
+                derive(self, **{name: values})
         freeze(self, "type", K=k)
         require_finite(self.radius_m, "type radius_m", low=np.finfo(float).tiny)
+        require_finite(self.surface_m2, "type surface_m2", low=0.0)
+        require_finite(self.normal, "type normal")
         if not ((self.disc_share > 0.0) & (self.disc_share <= 1.0)).all():
             raise InputError("type disc_share: expected shares above 0 to 1, got others")
         if len(self.levels.start) != k + 1:

@@ -4,7 +4,7 @@
 mesh algorithms need it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from .scene import ObjectTypes, Scene
 SCHEMA = "lodbench.scene/1"
 
 _HEADER = "scene.json"
+_MEASURED = ("disc_share", "surface_m2", "normal")  # of types, where their meshes are at hand
 _ADVICE = "build the scene with this version"
 _MAX_DISTANCE_M = 1e9  # squares and products of four such lengths are still far from overflow
 
@@ -124,10 +125,10 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
     motion = Motion(**_read(archive, "motion", Motion)) if "motion/node" in archive else None
     cells = Cells(**_read(archive, "cells", Cells)) if "cells/node_cell" in archive else None
     counts = _read_counts(archive, header.predictors)
-    levels = LevelTable(counts=counts, **_read(archive, "levels", LevelTable, apart="counts"))
-    # Files of before have no shares, as none were measured.
-    apart = "" if "types/disc_share" in archive else "disc_share"
-    shapes = _read(archive, "types", ObjectTypes, apart=apart)
+    levels = LevelTable(counts=counts, **_read(archive, "levels", LevelTable, apart=("counts",)))
+    # Files of before lack what was not measured then.
+    absent = [name for name in _MEASURED if f"types/{name}" not in archive]
+    shapes = _read(archive, "types", ObjectTypes, apart=absent)
     types = ObjectTypes(names=header.types, levels=levels, **shapes)
     nodes = _read(archive, "nodes", Scene)
     scene = Scene(name=header.name, types=types, motion=motion, cells=cells, **nodes)
@@ -138,14 +139,14 @@ def _scene(archive: ArrayArchive, header: _Header) -> Scene:
 
 
 def _read(
-    archive: ArrayArchive, group: str, struct: type[Any], *, apart: str = ""
+    archive: ArrayArchive, group: str, struct: type[Any], *, apart: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return the arrays of a group as a struct declares them, without the one read apart."""
+    """Return the arrays of a group as a struct declares them, without those read apart."""
     declared = declared_arrays(struct).items()
     return {
         name: archive.array(f"{group}/{name}", dtype, len(shape))
         for name, (dtype, shape) in declared
-        if name != apart
+        if name not in apart
     }
 
 

@@ -61,6 +61,12 @@ def _ogre(rng: np.random.Generator) -> TypeModel:
     return build_continuous(OrderedSurface.of(mesh), KnotOptions(_KNOTS, least), _SAMPLING)
 
 
+def ogre_surface() -> OrderedSurface:
+    """Return the ogre of the scenes with all of its levels, not only those that are measured."""
+    shape_rng, _ = np.random.default_rng(_SEED).spawn(2)
+    return OrderedSurface.of(ogre_mesh(shape_rng))
+
+
 def ogre_mesh(rng: np.random.Generator) -> SurfaceMesh:
     """Return an ogre 2.4 m tall of 1,960 triangles: body, head, limbs and two horns."""
     body = move_part(lump(rng, 3, 0.1), (0.0, 0.0, 1.4), (0.5, 0.38, 0.6))

@@ -36,6 +36,7 @@ SCENES: Registry[BundledScene] = Registry(
     {
         "atlas": "atlas:ATLAS",
         "city": "city:CITY",
+        "cows": "cows:COWS",
         "crowd-1024": "crowd:CROWD",
         "district": "district:DISTRICT",
         "market": "market:MARKET",

@@ -3,14 +3,15 @@
 Zach, Mantler and Karner, "Time-critical rendering of discrete and continuous levels of detail",
 section 4.  Two trees stand side by side: the terrain, a quadtree of patches of 33² vertices that
 replace each other, and the forest, a quadtree without geometry above groups of at most 64 trees.  A
-group is continuous, from some splats a tree to one; each tree is one draw call, as it is the unit
-that is set up.  The province's own heights are not public: these are made of smooth noise with
-valleys, and trees stand below the tree line where it is not too steep.
+group is continuous, from some splats a tree to one, and below that to a fraction of its trees; each
+tree is one draw call, as it is the unit that is set up.  A patch counts the vertices that are sent
+in its strips.  The province's own heights are not public: these are made of smooth noise with
+valleys, and trees stand on a jittered grid below the tree line where it is not too steep.
 """
 
 import numpy as np
 
-from ...base.arrays import FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from ..continuous.splat_tree import SplatTree, splat_levels
 from ..continuous.terrain import SAMPLE_BYTES, TerrainQuadtree, build_terrain
 from ..meshes.geometry import Geometry
@@ -31,6 +32,7 @@ _ERROR_CLASSES = 12  # of the patches of one depth, by measured error
 _TREE_M = 12.0
 _STEEPEST = 0.7
 _TREE_LINE_M = 1_700.0
+_WOODED = 0.5  # ours: cover from which a cell is forest; the paper's is classified from a satellite
 
 
 def build_styria() -> tuple[Scene, Geometry]:
@@ -64,21 +66,36 @@ def styria_heights() -> FloatArray:
 
 
 def _plant(heights: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return places of the trees, (1.4 million, 3): below the tree line, where it is not steep."""
+    """Return places of the trees, (1.4 million, 3): a jittered grid over all that is forest."""
+    wood = _forest(heights)
+    # So fine that a few too many stand in the forest, of which some are left out at random.
+    spacing = np.sqrt(wood.mean() / (1.01 * _TREES)) * (_SAMPLES - 1)
+    side = int(np.ceil((_SAMPLES - 1) / spacing))
+    places: list[FloatArray] = []
+    for row in range(side):  # one row at a time: the grid has several times as many places
+        u = (np.arange(side) + rng.random(side)) * ((_SAMPLES - 1) / side)
+        v = (row + rng.random(side)) * ((_SAMPLES - 1) / side)
+        kept = wood[v.astype(np.int64), u.astype(np.int64)]
+        places.append(np.stack((u[kept], v[kept])))
+    u, v = np.concatenate(places, axis=1)
+    chosen = np.sort(rng.choice(len(u), _TREES, replace=False))
+    u, v = u[chosen], v[chosen]
+    column, row = u.astype(np.int64), v.astype(np.int64)
+    south, north = (
+        heights[at, column] * (1.0 - u % 1.0) + heights[at, column + 1] * (u % 1.0)
+        for at in (row, row + 1)
+    )
+    return np.stack((u * CELL_M, v * CELL_M, south * (1.0 - v % 1.0) + north * (v % 1.0)), axis=1)
+
+
+def _forest(heights: FloatArray) -> BoolArray:
+    """Return which cells are forest, (2,048, 2,048): between valleys and tree line, not steep."""
     north_m: FloatArray = np.gradient(heights, CELL_M, axis=0)
     east_m: FloatArray = np.gradient(heights, CELL_M, axis=1)
     cover = np.clip(1.0 - np.hypot(north_m, east_m) / _STEEPEST, 0.0, 1.0)
     cover *= np.clip((_TREE_LINE_M - heights) / 300.0, 0.0, 1.0)
     cover *= np.clip((heights - 350.0) / 200.0, 0.0, 1.0)
-    weight = cover[:-1, :-1].ravel()
-    per_cell = rng.multinomial(_TREES, weight / weight.sum())
-    cell = np.repeat(np.arange(len(weight)), per_cell)
-    row, column = np.divmod(cell, _SAMPLES - 1)
-    v, u = rng.random(_TREES), rng.random(_TREES)
-    south = heights[row, column] * (1.0 - u) + heights[row, column + 1] * u
-    north = heights[row + 1, column] * (1.0 - u) + heights[row + 1, column + 1] * u
-    z = south * (1.0 - v) + north * v
-    return np.stack(((column + u) * CELL_M, (row + v) * CELL_M, z), axis=1)
+    return cover[:-1, :-1] >= _WOODED
 
 
 def _terrain_types(terrain: TerrainQuadtree) -> tuple[ObjectTypes, IntArray]:
@@ -101,7 +118,9 @@ def _terrain_types(terrain: TerrainQuadtree) -> tuple[ObjectTypes, IntArray]:
             kinds.append((f"patch-{depth}-{number}", float(radius), float(worst)))
     names, radius, worst = (list(column) for column in zip(*kinds, strict=True))
     n = len(names)
-    counts = count_rows(n, draw_calls=1, vertices=terrain.vertices, triangles=terrain.triangles)
+    counts = count_rows(
+        n, draw_calls=1, vertices=terrain.sent_vertices, triangles=terrain.triangles
+    )
     sizes = np.full(n, SAMPLE_BYTES * terrain.vertices)
     levels = LevelTable(np.arange(n + 1), counts, np.array(worst), sizes, np.zeros(n, np.bool_))
     return ObjectTypes(tuple(names), np.zeros((n, 3)), np.array(radius), levels), kind

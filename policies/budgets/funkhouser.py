@@ -38,7 +38,8 @@ class Funkhouser:
     fit; going on makes small camera moves flip levels.  With `skip` objects may be left out, as in
     the paper; without it every object is at least at its coarsest level, over budget if need be.
     In a hierarchy a root's levels are the fronts of uniform depth below it, then coarser knots of
-    the continuous nodes of the coarsest front.
+    the continuous nodes of the coarsest front; a front brings what the leaves below it do, as in
+    the score, since spheres of inner nodes are loose.
 
     Uses: the scene's cost model, projected area, eccentricity, apparent speed, last levels.
 

@@ -10,9 +10,10 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
+from ..shared.held_resolutions import HeldResolutions
 from ..shared.kept import Kept
 from ..shared.knobs import AIM
-from ..shared.ranges import Aim, Interval, PositiveInt, UpToOne, check_parameters
+from ..shared.ranges import Aim, BelowOne, Interval, PositiveInt, UpToOne, check_parameters
 from ..shared.resolution_problem import ResolutionProblem
 from ..shared.steady_costs import make_resolution_costs
 from ..shared.v_time import VTime
@@ -59,12 +60,17 @@ class Gobbetti:
     drawn.  Discrete types get the finest level not above their resolution, and what that saves is
     left unspent.
 
+    With `hysteresis` h, degradation counts ``1 + h`` times below the last frame's resolution and
+    ``1 - h`` times above it, which stays where neither is worth while.  With `ahead` the budget is
+    for culling, optimising and drawing one after the other, as on the paper's single processor:
+    drawing gets what that share leaves, or the newest completed frame's CPU time if that was more.
+
     Uses: the cost model, projected area, apparent speed, eccentricity, importance, its own last
-    price of time.
+    price of time; with `ahead` CPU times of completed frames.
 
     Parameters: `m`, `weight` (w: area, or area per triangle), `velocity` and `eccentricity`
-    (whether the factors count), `engine`, `max_iterations` (passes of the active-set search),
-    `adapt` (rate at which predictions follow measured times), `aim`.
+    (whether the factors count), `hysteresis`, `ahead`, `engine`, `max_iterations` (passes of the
+    active-set search), `adapt` (rate at which predictions follow measured times), `aim`.
 
     Cost per frame: O(n) a pass; two or three passes as a camera moves, some five at first and
     after a cut.
@@ -78,6 +84,8 @@ class Gobbetti:
     weight: Literal["area-per-triangle", "area"] = "area-per-triangle"  # what the paper asks of w
     velocity: bool = True  # as in the paper
     eccentricity: bool = True  # as in the paper
+    hysteresis: BelowOne = 0.0  # the paper's tests have none; its factor is not printed
+    ahead: BelowOne | None = None  # None: culling and optimising overlap the drawing before
     engine: Literal["active-set", "newton"] = "active-set"  # the paper's
     max_iterations: PositiveInt = 48  # ours: ten times what frames take; the paper's limit is lost
     adapt: UpToOne = 0.0  # how fast predictions follow measured times; 0.2 with noise
@@ -95,7 +103,11 @@ class Gobbetti:
         if self.adapt:
             return Claims()
         exact = self.engine == "newton"
-        return Claims(budget=self.aim <= 1.0, monotone=exact, settles_frames=1 if exact else None)
+        monotone = exact and not self.hysteresis and self.ahead is None
+        rests = exact and self.ahead is None
+        return Claims(
+            budget=self.aim <= 1.0, monotone=monotone, settles_frames=1 if rests else None
+        )
 
     def reset(self, scene: Scene, budget_ms: float) -> None:
         """Check parameters and turn the cost model into lines over resolution."""
@@ -105,19 +117,23 @@ class Gobbetti:
         self._v_time = VTime(self.adapt)
         self._search = ActiveSet(self.max_iterations)
         self._kept = Kept(self._importance)
+        self._held = HeldResolutions(len(scene), self.hysteresis)
 
     def select(self, view: View) -> Selection:
         """Return the resolutions of least degradation that fit the budget."""
         costs = self._costs
-        budget_ms = self._v_time.budget_ms(view, self._budget_ms)
+        budget_ms = self._v_time.budget_ms(view, self._drawing_ms(view))
         problem = costs.problem(view, budget_ms)
         if problem.affords_all():
             # What anything is worth need not be known.
             selection = costs.in_full(view, Work(len(view), len(problem.cost), 1))
+            self._held.keep(view.ids, np.ones(len(view)))
         else:
-            result = self._solve(problem, self.degradation(view))
+            result = self._solve(problem, view)
             work = Work(len(view), result.comparisons, result.iterations)
-            selection = costs.selection(view, problem.resolution(result.x), budget_ms, work)
+            resolution = self._held.resolution(problem, result.x)
+            self._held.keep(view.ids, resolution)
+            selection = costs.selection(view, resolution, budget_ms, work)
         if not self.adapt:
             return selection
         return replace(selection, predicted_ms=self._v_time.expect(selection.predicted_ms))
@@ -138,6 +154,17 @@ class Gobbetti:
             return importance / self._costs.primitives(view)
         return importance
 
-    def _solve(self, problem: ResolutionProblem, degradation: FloatArray) -> Allocation:
-        shares = problem.shares(self.m * degradation, self.m + 1.0)
+    def _drawing_ms(self, view: View) -> float:
+        """Return what drawing may take."""
+        if self.ahead is None:
+            return self._budget_ms
+        cpu_ms = view.completed.cpu_ms[-1:]
+        before_ms = self.ahead * self._budget_ms
+        if len(cpu_ms) and cpu_ms[0] > before_ms:  # not if a timer gave no number
+            before_ms = float(cpu_ms[0])
+        return max(self._budget_ms - before_ms, 0.0)
+
+    def _solve(self, problem: ResolutionProblem, view: View) -> Allocation:
+        weight = self.m * self.degradation(view)
+        shares = self._held.shares(problem, view.ids, weight, self.m + 1.0)
         return solve(shares) if self.engine == "newton" else self._search.search(shares)

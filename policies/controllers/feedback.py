@@ -19,8 +19,8 @@ class Feedback:
     """Idea: multiply projected heights by a bias, ``bias · (target / time)^gain`` once a frame.
 
     Inside the dead band the bias rests; one step changes it by at most the rate limit.  A report
-    that is missing, zero or negative is no time and moves nothing; one that repeats the last to its
-    last digit may be a stuck timer, and never raises detail.
+    that is missing, zero or negative is no time and moves nothing; those of a stuck timer
+    (`shared.reports`) do not raise detail.
 
     Uses: work time of the newest completed frame, and what `static-screen` uses.
 
@@ -59,7 +59,8 @@ class Feedback:
 
     def select(self, view: View) -> Selection:
         """Steer the bias, then return a level for every candidate."""
-        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, self._target_ms)
+        ratio = time_ms / self._target_ms
         bias = steer(self._bias, ratio, -self.gain, self.dead_band, self.rate_limit)
         self._bias = min(max(bias, self.min_bias), self.max_bias)
         return self._levels.select_biased(view, self._bias)

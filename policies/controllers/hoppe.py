@@ -15,6 +15,9 @@ from ..shared.ranges import NotNegative, Positive, Share, check_parameters
 from ..shared.reports import Reports
 from ..view import View
 
+_CLOSE = 1.01
+"""Over the tolerance that led above m, one that need not come nearer: less than a level's step."""
+
 
 def critical_gain(delay: int) -> float:
     """Return the largest stable product of gain and elasticity, measurements `delay` frames late.
@@ -34,7 +37,12 @@ class Hoppe:
     that time is k frames late, and unless `gain` is given it is half the gain at which a loop so
     late begins to oscillate if work falls as ``1 / tau`` (`critical_gain`).
 
-    Uses: errors of levels, distance, own triangles or work times of completed frames.
+    Levels are steps, so that often no tolerance meets m, and the rule alone goes to and fro between
+    two.  With `rest`, while neither camera nor objects move, a tolerance that led above m is not
+    gone below again: tau goes half of the way towards it, by its log, and stays within 1 % of it.
+
+    Uses: errors of levels, distance, own triangles or work times of completed frames, and whether
+    the camera moved.
 
     Parameters: as below.
 
@@ -42,7 +50,7 @@ class Hoppe:
 
     Reference: Hoppe, "View-dependent refinement of progressive meshes", SIGGRAPH 1997, and "Smooth
     view-dependent level-of-detail control", Visualization 1998, which regulate the tolerance by the
-    count of the last frame; the exponent and the regulation of times are ours.
+    count of the last frame; the exponent, the regulation of times and the rest are ours.
     """
 
     triangles: Positive | None = None  # m; None: regulate the time instead
@@ -51,6 +59,7 @@ class Hoppe:
     min_px: Positive = 0.1  # ours
     max_px: float = 64.0  # ours
     target: Share = 0.9  # as feedback
+    rest: bool = True  # ours: off is the printed rule
 
     rising: ClassVar[tuple[str, ...]] = ("min_px", "start_px", "max_px")
     capabilities: ClassVar[Capabilities] = Capabilities(continuous=True)
@@ -68,16 +77,24 @@ class Hoppe:
         self._target_ms = self.target * budget_ms
         self._tolerance_px = self.start_px
         self._drawn = math.nan
+        self._used_px: list[float] = []  # tolerance of each frame
+        self._rests_since = 0  # frame from which on nothing has moved
+        self._over_px = 0.0  # the largest tolerance that led above m since then
         self._reports = Reports()
         self._ladder = ErrorLadder(scene)
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return a level for every candidate."""
-        ratio, gain = self._measure(view)
+        if not _at_rest(view):
+            self._rests_since, self._over_px = len(self._used_px), 0.0
+        frame, ratio, gain = self._measure(view)
         if ratio > 0.0:  # not if nothing is known or nothing was drawn
+            if ratio > 1.0 and frame >= self._rests_since:
+                self._over_px = max(self._over_px, self._used_px[frame])
             log_px = math.log(self._tolerance_px) + gain * math.log(ratio)
             low, high = math.log(self.min_px), math.log(self.max_px)
-            self._tolerance_px = math.exp(min(max(log_px, low), high))
+            self._tolerance_px = self._above_over(math.exp(min(max(log_px, low), high)))
+        self._used_px.append(self._tolerance_px)
         selection = self._ladder.select(view, self._tolerance_px, 0.0)
         if self.triangles is not None:
             levels = view.scene.types.levels
@@ -85,11 +102,31 @@ class Hoppe:
             self._drawn = float(levels.interpolate(level_primitives(levels), row, fraction).sum())
         return selection
 
-    def _measure(self, view: View) -> tuple[float, float]:
-        """Return work over target, NaN if nothing new is known, and the gain to apply."""
+    def _above_over(self, wanted_px: float) -> float:
+        """Return a tolerance that does not go below one that is known to lead above m."""
+        now_px, over_px = self._tolerance_px, self._over_px
+        if not self.rest or wanted_px > _CLOSE * over_px or now_px <= over_px:
+            return wanted_px
+        # Halving the way ends: either nothing is above m any more, or the step between is found.
+        return now_px if now_px <= _CLOSE * over_px else math.sqrt(now_px * over_px)
+
+    def _measure(self, view: View) -> tuple[int, float, float]:
+        """Return a frame, its work over the target, NaN if nothing is known, and the gain."""
         if self.triangles is not None:
-            return self._drawn / self.triangles, 1.0 if self.gain is None else self.gain
-        time_ms = self._reports.newest_ms(view.completed.work_ms, self._target_ms)
+            gain = 1.0 if self.gain is None else self.gain
+            return len(self._used_px) - 1, self._drawn / self.triangles, gain
+        frames, times_ms = self._reports.new(view, view.completed.work_ms, self._target_ms)
         delay = view.frame - len(view.completed)
         gain = 0.5 * critical_gain(delay) if self.gain is None else self.gain
-        return time_ms / self._target_ms, gain
+        if not len(frames):
+            return 0, math.nan, gain
+        return int(frames[-1]), float(times_ms[-1]) / self._target_ms, gain
+
+
+def _at_rest(view: View) -> bool:
+    now, before = view.camera, view.state.previous_camera
+    if before is None or view.scene.motion is not None:
+        return False
+    moved_m = math.dist(now.position_m, before.position_m)
+    # Between two equal poses interpolation may round.
+    return moved_m < 1e-9 and math.dist(now.orientation_xyzw, before.orientation_xyzw) < 1e-12

@@ -69,7 +69,7 @@ class Pid:
 
     def select(self, view: View) -> Selection:
         """Steer the angle, then return a level for every candidate."""
-        time_ms = self._reports.newest_ms(view.completed.work_ms, 1e3 / self._target_hz)
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, 1e3 / self._target_hz)
         if math.isfinite(time_ms):
             step_s = (view.time_ns - self._last_ns) * 1e-9
             self._last_ns = view.time_ns

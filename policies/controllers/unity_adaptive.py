@@ -83,7 +83,7 @@ class UnityAdaptive:
 
     def select(self, view: View) -> Selection:
         """Take a step on the ladder if it is time, then return a level for every candidate."""
-        _, new_ms = self._reports.new(view.completed.work_ms, self._budget_ms)
+        _, new_ms = self._reports.new(view, view.completed.work_ms, self._budget_ms)
         self._excess.extend((new_ms / self._budget_ms - 1.0).tolist())
         if view.time_ns >= self._ready_ns and len(new_ms):
             self._act(view.time_ns)

@@ -106,7 +106,7 @@ class UnrealDynamic:
     def _read(self, view: View) -> None:
         """Note new times, newest first, and how many in a row are over the budget."""
         target_ms = (1.0 - self.headroom) * self._budget_ms
-        frames, times_ms = self._reports.new(view.completed.gpu_ms, target_ms)
+        frames, times_ms = self._reports.new(view, view.completed.gpu_ms, target_ms)
         for frame, time_ms in zip(frames.tolist(), times_ms.tolist(), strict=True):
             slot: int = frame % _IN_FLIGHT
             drawn_at = self._drawn_at[slot]

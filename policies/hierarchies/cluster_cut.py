@@ -61,7 +61,8 @@ class ClusterCut:
 
     def select(self, view: View) -> Selection:
         """Steer the tolerance, then return levels or a front within it."""
-        ratio = self._reports.newest_ms(view.completed.work_ms, self._target_ms) / self._target_ms
+        time_ms = self._reports.newest_ms(view, view.completed.work_ms, self._target_ms)
+        ratio = time_ms / self._target_ms
         steered_px = steer(self._steered_px, ratio, self.gain, self.dead_band, self.rate_limit)
         self._steered_px = min(max(steered_px, self.tolerance_px), self.max_px)
         tree = self._chooser

@@ -54,7 +54,7 @@ class Erikson:
         """Return the front within the polygon budget."""
         tree = self._hierarchy
         target_ms = self.target * self._budget_ms
-        frames, times_ms = self._reports.new(view.completed.work_ms, target_ms)
+        frames, times_ms = self._reports.new(view, view.completed.work_ms, target_ms)
         if len(frames) and (drawn := self._drawn[int(frames[-1])]) > 0.0:
             self._polygons = drawn * target_ms / float(times_ms[-1])
         seen = view.at(np.flatnonzero(view.state.inside))

@@ -2,7 +2,9 @@
 
 In a flat scene an object's alternatives are its levels (the knots of a continuous type).  In a
 hierarchy the objects are the roots, and the alternatives of a root are the fronts of uniform depth
-below it, and then the coarsest front with its continuous nodes at coarser knots.  Nodes that stand
+below it, and then the coarsest front with its continuous nodes at coarser knots.  What a front
+brings is summed over the leaves that it stands for, as the score is: spheres of inner nodes are
+loose, and those of children may cover less than their parent's.  Nodes that stand
 for nothing, having children and no geometry, count for no depth and are never drawn.  Column 0 is
 the finest; a row that has fewer alternatives ends in infinite costs.
 """
@@ -18,9 +20,9 @@ from ...base.errors import InputError
 from ...models.machine.frame_cost import FrameCost
 from ...models.scene.benefit import BASE_ERROR, level_primitives
 from ...models.scene.scene import Scene
-from ...models.scene.tree import Tree
 from ..solvers.smooth_choice import SmoothChoice
 from ..view import View
+from .hierarchy import Hierarchy
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +34,7 @@ class Offer:
     cost_ms : (n, L) float64
         Marginal GPU time; infinite where a row has no such alternative.
     benefit : (n, L) float64
-        Size times accuracy times `weight`, summed over the nodes of the alternative.
+        Size times accuracy times `weight`, of a front summed over the leaves below its nodes.
     fixed_ms : float
         GPU time that the frame takes whatever is chosen; an upper bound as to state changes.
     objects : (n,) int32
@@ -103,7 +105,7 @@ class LevelChoices:
             cost_ms[self._lacking[kind]] = np.inf
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind))
+        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind), len(view))
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
 
     def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
@@ -128,8 +130,10 @@ class _Fronts:
 
     def __init__(self, scene: Scene, costs: FrameCost, exponent: float) -> None:
         self._scene, self._costs = scene, costs
-        tree, levels = Tree(scene), scene.types.levels
-        self._accuracy = accuracy_of(level_primitives(levels), exponent)
+        levels, self._exponent = scene.types.levels, exponent
+        self._hierarchy = Hierarchy(scene)
+        tree = self._hierarchy.tree
+        self._samples = np.maximum(level_primitives(levels), 1.0)
         self._first_row = levels.start[:-1][scene.type_index]
         self._solid = tree.leaf | (tree.primitives > 0.0)
         root, depth = np.arange(len(scene)), np.zeros(len(scene), dtype=np.int32)
@@ -153,7 +157,7 @@ class _Fronts:
         row_of[view.ids] = np.arange(n)
         nodes = np.flatnonzero(view.state.inside & (row_of[self._root] >= 0) & self._solid)
         seen = view.at(nodes)
-        node_size = seen.area_px * weight(seen)
+        worth, lost = self._worth(seen, seen.area_px * weight(seen))
         row = row_of[self._root[nodes]]
         cost_ms, benefit = np.full((n, width), np.inf), np.zeros((n, width))
         deepest, coarser = self._deepest[view.ids], self._coarser[view.ids]
@@ -163,7 +167,8 @@ class _Fronts:
             member = self._member(nodes, max(depth, 0))
             has = (depth <= deepest) & (-depth <= coarser)
             total = np.bincount(row[member], node_ms[member], minlength=n)
-            gain = (node_size * self._accuracy[level])[member]
+            gain = worth - lost / self._samples[level] ** self._exponent
+            gain = np.maximum(gain, 0.0, out=gain)[member]
             cost_ms[has, deepest[has] - depth] = total[has]
             benefit[has, deepest[has] - depth] = np.bincount(row[member], gain, minlength=n)[has]
         size = view.area_px * weight(view)
@@ -171,6 +176,24 @@ class _Fronts:
         types = distinct(view.scene.type_index[view.state.inside])
         fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, types)
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
+
+    def _worth(self, seen: View, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what nodes bring with endless samples, and what they lose with one, (m,).
+
+        Size times accuracy of the leaves in view, a leaf below a node having of the node's samples
+        its share by the primitives below.
+        """
+        below, tree, exponent = self._hierarchy, self._hierarchy.tree, self._exponent
+        unit = tree.leaf | (self._scene.additive & ~below.empty)
+        leaf_size = np.zeros(len(self._scene))
+        leaf_size[seen.ids] = size
+        leaf_size[~unit] = 0.0
+        lost = BASE_ERROR * leaf_size / np.maximum(tree.primitives, 1.0) ** exponent
+        alone = (tree.leaf | self._scene.additive)[seen.ids]
+        samples = np.where(alone, tree.primitives[seen.ids], tree.leaf_primitives[seen.ids])
+        worth = np.where(alone, leaf_size[seen.ids], below.sum_below(leaf_size)[seen.ids])
+        all_lost = np.where(alone, lost[seen.ids], below.sum_below(lost)[seen.ids])
+        return worth, all_lost * np.maximum(samples, 1.0) ** exponent
 
     def _level_row(self, nodes: IntArray, depth: int | IntArray) -> IntArray:
         """Return the row of each node's level: coarser knots where the depth is negative."""

@@ -45,7 +45,7 @@ class ResolutionCosts:
 
     def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object; every candidate's type is drawn."""
-        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index))
+        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index), len(view))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""

@@ -5,11 +5,14 @@ import math
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.predictors import LEVEL_PREDICTORS
 from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ..view import View
 from .reports import Reports
 
+_TRIANGLES = LEVEL_PREDICTORS.index("triangles")
+_TEXTURED = LEVEL_PREDICTORS.index("textured_triangles")
 _WIDEST = 16.0  # the roots' share stays within this factor of where it started
 
 
@@ -47,8 +50,11 @@ class TimeLoops:
         self.ms_per_unit = target_ms / float(units[scene.roots].sum())
         if scene.costs is not None:
             costs = self._costs = FrameCost(scene.costs, scene.types.levels)
-            finest = scene.types.levels.start[:-1][scene.type_index]
+            finest, levels = scene.finest_row, scene.types.levels
             known_ms = float((costs.level_ms + costs.geometry_ms)[finest].sum())
+            # A term of each object, though no view changes it.
+            plain = np.maximum(levels.counts[:, _TRIANGLES] - levels.counts[:, _TEXTURED], 0.0)
+            known_ms += scene.costs.unit_ms("untextured_triangles") * float(plain[finest].sum())
             self._overhead_ms = scene.costs.base_ms
             if known_ms > 0.0:
                 self.ms_per_unit = known_ms / float(units.sum())
@@ -59,7 +65,7 @@ class TimeLoops:
         """Take the newest report, if there is one, before a frame is chosen."""
         if self._costs is not None and not self._units:
             self._overhead_ms = self._costs.fixed_ms(view.camera.viewport_px, 0)
-        frames, times_ms = self._reports.new(view.completed.gpu_ms, self._target_ms)
+        frames, times_ms = self._reports.new(view, view.completed.gpu_ms, self._target_ms)
         if not len(frames):
             return
         drawn, time_ms = self._units[int(frames[-1])], float(times_ms[-1])

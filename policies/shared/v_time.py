@@ -26,7 +26,7 @@ class VTime:
     def budget_ms(self, view: View, budget_ms: float) -> float:
         """Learn from new reports; return what the cost model may spend to keep the budget."""
         if self._rate > 0.0:
-            frames, times_ms = self._reports.new(view.completed.gpu_ms, budget_ms)
+            frames, times_ms = self._reports.new(view, view.completed.gpu_ms, budget_ms)
             for frame, time_ms in zip(frames, times_ms, strict=True):
                 ratio = float(time_ms) / max(self._predicted_ms[int(frame)], 1e-9)
                 self.factor += self._rate * (ratio - self.factor)

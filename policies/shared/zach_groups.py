@@ -7,11 +7,13 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ...base.predictors import LEVEL_PREDICTORS
 from ...models.scene.benefit import level_primitives
+from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ..solvers.admission import admit
 from ..solvers.variable_splitting import LeafTree, split_variables
 from ..view import View
+from .choices import require_costs
 from .resolution_cost import ResolutionCosts
 
 _SPLATS = LEVEL_PREDICTORS.index("splats")
@@ -62,6 +64,13 @@ class Groups:
     Benefit is ``k S² (N / 64) sqrt(x / N · N_splats)``, ``x / N`` the resolution of each of N
     trees, one a draw call.  S is the extent on the screen, S² the projected area: only then is the
     sum over a node's groups bounded by the node's own, as Appendix A has it.
+
+    Attributes
+    ----------
+    leaves : LeafTree
+    splats, floor : (K,) float64
+        Of each type: splats at full detail, and the resolution at which each tree has one; 0 where
+        there are no splats.
     """
 
     def __init__(self, scene: Scene, tree: Tree, costs: ResolutionCosts, member: BoolArray) -> None:
@@ -73,10 +82,15 @@ class Groups:
         splats = finest[:, _SPLATS]
         # A type without splats has no floor of its own and may not be left out.
         floor = np.divide(trees, splats, out=np.zeros(len(splats)), where=splats > 0.0)
-        self._leaves = LeafTree(scene, tree, member)
+        self.leaves = LeafTree(scene, tree, member)
+        self.splats, self.floor = splats, np.minimum(floor, 1.0)
         self._factor = _K / _TREES * np.sqrt(trees * primitives)
-        self._floor = np.minimum(floor, 1.0)
-        self._root = root = self._leaves.leaves.copy()
+        # Below a splat a tree nothing is admitted, so that the lines need not lie above that part.
+        level_ms = require_costs(scene, "zach").level_ms
+        chord = _line_above(levels, level_ms, levels.min_resolution)
+        admitted = np.maximum(self.floor, levels.min_resolution)
+        self._too_high = chord - _line_above(levels, level_ms, admitted)
+        self._root = root = self.leaves.leaves.copy()
         while (below := scene.parent[root] >= 0).any():
             root[below] = scene.parent[root[below]]
 
@@ -84,13 +98,18 @@ class Groups:
         """Return which leaves are in view, (U,), and the view of them."""
         live = np.zeros(len(self._scene), dtype=np.bool_)
         live[view.ids] = True
-        leaves = self._leaves.leaves
+        leaves = self.leaves.leaves
         inside = view.state.inside[leaves] & live[self._root]
         return inside, view.at(leaves[inside])
 
     def optional(self, seen: View) -> BoolArray:
         """Return which nodes may be left out: groups of splats, (m,)."""
-        return self._floor[seen.type_index] > 0.0
+        return self.floor[seen.type_index] > 0.0
+
+    def value(self, seen: View) -> FloatArray:
+        """Return the benefit of each group at full detail, (m,), never 0."""
+        value = self._factor[seen.type_index] * seen.area_px * self._scene.importance[seen.ids]
+        return np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
 
     def plan(
         self, inside: BoolArray, seen: View, budget_ms: float, cull_px: float, epsilon: float | None
@@ -103,9 +122,9 @@ class Groups:
         kind = seen.type_index
         optional = self.optional(seen)
         setup, _, full, floor = self._costs.stretches(seen)
-        floor = np.minimum(np.maximum(floor, self._floor[kind]), 1.0)
-        value = self._factor[kind] * seen.area_px * self._scene.importance[seen.ids]
-        value = np.maximum(value, _LEAST_WEIGHT * value.max(initial=1e-300))
+        setup, full = (setup, full) - self._too_high[:, kind]
+        floor = np.minimum(np.maximum(floor, self.floor[kind]), 1.0)
+        value = self.value(seen)
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)
         large = ~optional | (seen.area_px >= cull_px * cull_px)
         at = np.flatnonzero(large)
@@ -121,7 +140,7 @@ class Groups:
             drawn[np.flatnonzero(inside)[at]] = True
             share = np.clip(admission.scale * np.square(weight), low, full)
             lose = epsilon * float((weight * np.sqrt(share)).sum())
-            splitting = split_variables(self._leaves, drawn, weight, low, full, share, lose)
+            splitting = split_variables(self.leaves, drawn, weight, low, full, share, lose)
             start, visited = splitting.start, splitting.visited
         return Plan(
             seen.ids[at],
@@ -131,6 +150,23 @@ class Groups:
             len(seen) + visited,
             admission.comparisons,
         )
+
+
+def _line_above(levels: LevelTable, column: FloatArray, low: FloatArray) -> FloatArray:
+    """Return start and slope of each type's line above its knots from resolution `low` on, (2, K).
+
+    The slope is that of the chord from there to full detail.
+    """
+    kinds = np.arange(len(low), dtype=np.int32)
+    # A discrete type's detail is a level; none has groups, so that its finest will do.
+    detail = np.where(levels.continuous, low, 0.0)
+    at_low = levels.interpolate(column, *levels.position(kinds, detail))
+    rise = np.maximum(column[levels.start[:-1]] - at_low, 0.0)
+    slope = np.divide(rise, 1.0 - low, out=np.zeros(len(low)), where=low < 1.0)
+    kind = levels.type_of_level
+    gap = column - slope[kind] * levels.resolution
+    gap[levels.resolution < low[kind] * (1.0 - 1e-9)] = -np.inf
+    return np.stack((np.maximum.reduceat(gap, levels.start[:-1]), slope))
 
 
 def _variables(

@@ -6,30 +6,15 @@ from typing import ClassVar
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
 from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.discretise import detail_of_level, level_of_detail
+from ..shared.distance_range import distance_range
 from ..shared.kept import Kept
 from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
-
-
-def distance_range(
-    policy: str, scene: Scene, near_m: float | None, far_m: float | None
-) -> tuple[float, float]:
-    """Return the given distances, or for None 1 % and 50 % of the scene's extent.
-
-    Raises `InputError` if they are not in order; `policy` is named in the message.
-    """
-    extent_m = float(np.ptp(scene.center_m, axis=0).max()) + 2.0 * float(scene.radius_m.max())
-    near_m = 0.01 * extent_m if near_m is None else near_m
-    far_m = 0.5 * extent_m if far_m is None else far_m
-    if not 0.0 <= near_m < far_m:
-        raise InputError(f"{policy}: expected 0 <= near_m < far_m, got {near_m:g} and {far_m:g}")
-    return near_m, far_m
 
 
 @dataclass
@@ -51,8 +36,8 @@ class StaticDistance:
     in three.js's LOD object, default 0 there.
     """
 
-    near_m: float | None = None  # None: 1 % of the scene's extent
-    far_m: float | None = None  # None: 50 % of the scene's extent
+    near_m: float | None = None  # None: 4 radii of each object
+    far_m: float | None = None  # None: 80 radii of each object
     hysteresis: BelowOne = 0.0  # share of a threshold by which to return late; three.js: 0
     scale: Finite = 1.0  # ours: both distances together, as engines scale them by view distance
 
@@ -69,19 +54,21 @@ class StaticDistance:
         check_parameters(self, "static-distance")
         near_m, far_m = distance_range("static-distance", scene, self.near_m, self.far_m)
         self._near_m = self.scale * near_m
-        self._per_m = 1.0 / (self.scale * (far_m - near_m))
+        self._per_m = (scene.level_count) / (self.scale * (far_m - near_m))
         self._discrete = not scene.types.levels.continuous.any()
-        self._per_level = Kept(self._gather)
+        self._of_node = Kept(self._gather)
 
-    def _gather(self, view: View) -> FloatArray:
-        """Return levels per metre of each candidate, (m,)."""
-        return (view.nodes.coarsest_level + 1.0) * self._per_m
+    def _gather(self, view: View) -> tuple[FloatArray, FloatArray]:
+        """Return where the finest level of each candidate ends, and its levels per metre, (m,)."""
+        at = view.nodes.at
+        return self._near_m.take(at), self._per_m.take(at)
 
     def select(self, view: View) -> Selection:
         """Return a level for every candidate."""
         nodes = view.nodes
-        level = view.distance_m - self._near_m
-        level *= self._per_level.of(view)
+        near_m, per_m = self._of_node.of(view)
+        level = view.distance_m - near_m
+        level *= per_m
         np.floor(level, out=level)
         np.maximum(level, 0.0, out=level)
         np.minimum(level, nodes.coarsest_level, out=level)
@@ -96,8 +83,8 @@ class StaticDistance:
         """Keep the previous level where a node is only slightly nearer than its threshold."""
         table = view.scene.types.levels
         before = level_of_detail(table, view.type_index, view.previous_detail)
-        count = view.nodes.coarsest_level + 1.0
-        threshold_m = self._near_m + before / (count * self._per_m)
+        near_m, per_m = self._of_node.of(view)
+        threshold_m = near_m + before / per_m
         near = view.distance_m >= threshold_m * (1.0 - self.hysteresis)
         # three.js lowers the threshold of the level that is visible, and not those before it.  A
         # comparison with NaN, never drawn before, is false.

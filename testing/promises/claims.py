@@ -19,6 +19,8 @@ from .promise import Failure, promise
 from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
+_CHANGES_UNTIL_STUCK = 2  # as `policies.shared.reports` has it
+_HIDDEN = 0.01  # as there
 _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 
 
@@ -26,7 +28,12 @@ _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 def faulty_timings_never_raise_detail(
     factory: Factory, example: Example, _rest: int
 ) -> Failure | None:
-    """Missing, zero and stale reports lead to no more detail than no reports would."""
+    """Missing and zero reports lead to no more detail than no reports would.
+
+    A stale one may be honest until what is drawn has changed under it twice: what rises after that
+    has been seen, by frames that were in flight then, is one rise too many.
+    """
+    rises = _CHANGES_UNTIL_STUCK + example.hardware.frames_in_flight
     for good in (0, 4):  # the first reports already fail, or some good ones come before
         primitives: dict[str, FloatArray] = {}
         for name, fault in FAULTS.items():
@@ -38,6 +45,8 @@ def faulty_timings_never_raise_detail(
             share = np.array([frame.selection.render_scale for frame in played.frames]) ** 2
             primitives[name] = share * (played.log["triangles"] + played.log["splats"])
             worse = primitives[name] > primitives["silent"] * (1.0 + _ROUNDING)
+            if name == "stale":
+                worse = _rises(primitives[name], primitives["silent"]) > rises
             if worse.any():
                 at = int(worse.argmax())
                 return Failure(
@@ -45,6 +54,16 @@ def faulty_timings_never_raise_detail(
                     f"{primitives['silent'][at]:g} to {primitives[name][at]:g}",
                 )
     return None
+
+
+def _rises(primitives: FloatArray, silent: FloatArray) -> FloatArray:
+    """Return how often each frame and those before rose by what no timer can hide, (n,)."""
+    level, count, counts = 0.0, 0, list[float]()
+    for drawn, without in zip(primitives.tolist(), silent.tolist(), strict=True):
+        if drawn > (1.0 + _HIDDEN) * max(level, without):
+            level, count = drawn, count + 1
+        counts.append(count)
+    return np.array(counts)
 
 
 @promise(walks(*BUDGETS), "budget")

@@ -314,12 +314,12 @@ def test_two_folders_are_compared(
     assert "work_ms_mean" in out
     assert max(map(len, out.splitlines())) <= 100
     document = document_of(capsys, "compare", *folders[:2])
-    assert document["schema"] == "lodbench.changes/1"
+    assert document["schema"] == "lodbench.compare-changes/2"
     assert document["paired"]
     work = next(item for item in document["metrics"] if item["metric"] == "work_ms_mean")
     assert work["beyond_noise"]
     assert work["after"] > work["before"]
-    assert document["policies"][0]["term_ratio"] > 1.0
+    assert document["policies"][0]["term_ms"] > 0.0
     same = document_of(capsys, "compare", *folders[1:])
     assert not any(item["beyond_noise"] for item in same["metrics"])
     assert same["policies"][0]["term"] == ""

@@ -57,35 +57,6 @@ def test_values_rise_within_the_range(ends: tuple[float, float], count: int, sca
     assert all(a < b for a, b in pairwise(values))
 
 
-def test_between_is_the_middle_on_the_scale() -> None:
-    """The geometric and the arithmetic mean, in either order, of four digits."""
-    assert Knob("x", 0.1, 10.0).between(1.0, 4.0) == 2.0
-    assert Knob("x", 0.1, 10.0).between(2.0, 1.0) == 1.414
-    assert Knob("x", 0.1, 10.0, scale="linear").between(1.0, 4.0) == 2.5
-
-
-def test_between_takes_more_digits_rather_than_an_end() -> None:
-    """Between neighbours of four digits is a number of five; next floats have none between."""
-    assert Knob("x", 1.0, 10.0, scale="linear").between(2.154, 2.155) == 2.1545
-    with pytest.raises(InputError, match=r"^knob x: expected two values apart, got 2\.0 and 2\.0"):
-        Knob("x", 1.0, 10.0).between(2.0, math.nextafter(2.0, 3.0))
-
-
-@given(ends=ENDS, scale=st.sampled_from(["log", "linear"]))
-def test_halving_again_and_again_stays_strictly_between(
-    ends: tuple[float, float], scale: Any
-) -> None:
-    """A search that halves ends because it is as near as it wants, not because it stands still."""
-    low, high = ends
-    knob = Knob("x", low, high, scale)
-    for _ in range(20):
-        if high < low * (1.0 + 1e-12):
-            return
-        middle = knob.between(low, high)
-        assert low < middle < high
-        high = middle
-
-
 def test_where_is_the_share_of_the_way_to_the_fine_end() -> None:
     """By hand on both scales and in both directions; what is beyond an end is at it."""
     assert Knob("x", 1.0, 16.0).where(2.0) == pytest.approx(0.25)

@@ -1,10 +1,13 @@
 """The frame log's schema."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError
 from lodbench.sim.frame_log import CONSTANT, COUNTS, TIMES, CountRows, FrameLog, LogHeader
+from lodbench.sim.frame_log_file import read_frame_log, write_frame_log
 
 HEADER = LogHeader("policy", "scene", "trace", "machine", 10.0, 0, "immediate", 60.0, 1e9)
 
@@ -24,6 +27,19 @@ def test_columns_by_name() -> None:
         log["frame_rate"]
     with pytest.raises(ValueError, match="read-only"):
         log.counts[0, 0] = 1.0
+
+
+def test_nodes_by_depth_are_columns_behind_the_others(tmp_path: Path) -> None:
+    """A tree's log has one a depth, in memory and in its file; another scene's has none."""
+    times, counts = np.zeros((2, len(TIMES)), dtype=np.int64), np.zeros((2, len(COUNTS)))
+    log = FrameLog(HEADER, times, counts, np.array([[1, 0, 4], [0, 2, 8]]))
+    assert log.columns[-3:] == ("drawn_depth_0", "drawn_depth_1", "drawn_depth_2")
+    assert log["drawn_depth_2"].tolist() == [4, 8]
+    write_frame_log(tmp_path / "a.parquet", log)
+    assert read_frame_log(tmp_path / "a.parquet").drawn_by_depth.tolist() == [[1, 0, 4], [0, 2, 8]]
+    flat = FrameLog(HEADER, times, counts)
+    assert flat.drawn_by_depth.shape == (2, 0)
+    assert flat.columns == TIMES + COUNTS
 
 
 @pytest.mark.parametrize(

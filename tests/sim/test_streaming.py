@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError, PolicyError
+from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Capabilities
 from lodbench.policies.selection import Selection
@@ -58,6 +59,23 @@ def run(make_scene: Make, make_levels: Make, make_hardware: Make, make_trace: Ma
         return replay(policy, scene, make_trace(), hardware, settings, name="eager")
 
     return replayed
+
+
+def test_textures_of_trees_are_read_and_kept(
+    make_scene: Make, make_levels: Make, make_hardware: Make, make_trace: Make
+) -> None:
+    """A child of 36,000 bytes and a texture of 4,000: with the root's 3,600, 43,600 in the end."""
+    levels = make_levels([[100.0], [1_000.0]])
+    counts = levels.counts.copy()
+    counts[1, LEVEL_PREDICTORS.index("texture_bytes")] = 4_000.0
+    position = [(0.0, 0.0, -10.0), (0.0, 0.0, -10.0)]
+    textured = replace(levels, counts=counts)
+    scene = make_scene(position, kind=[0, 1], parent=[-1, 0], levels=textured)
+    settings = ReplayOptions(budget_ms=16.0, frames=30)
+    log = replay(Eager((1,), 99), scene, make_trace(), make_hardware(), settings, name="eager")
+    assert log["memory_bytes"][-1] == ROOT_BYTES + CHILD_BYTES + 4_000
+    assert log["loaded_bytes"].sum() == log["memory_bytes"][-1]
+    assert log.drawn_by_depth.tolist() == [[1, 0]] * 30
 
 
 def test_children_are_drawn_when_they_have_been_read(run: Make) -> None:

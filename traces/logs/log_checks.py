@@ -64,7 +64,8 @@ def _capped(log: RenderLog, name: TimeName) -> str | None:
     """Look at intervals alone: a busy time near a refresh is the time of honest work."""
     if name != "frame_ms":
         return None
-    busy = [other for other in ("gpu_ms", "cpu_ms") if other in log.times]
+    names: tuple[TimeName, ...] = ("gpu_ms", "cpu_ms")
+    busy: list[TimeName] = [other for other in names if other in log.times]
     load = [log.counts, *(log.time(other)[:, np.newaxis] for other in busy)]
     rate = capped_at_hz(log.time(name), _without_holes(np.hstack(load)))
     if rate is None:

@@ -7,7 +7,6 @@ are headers that stand again between the rows, as where captures were appended.
 
 import csv
 from array import array
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -124,36 +123,6 @@ def _is_numeric(rows: Sequence[Sequence[str]], column: int, delimiter: str) -> b
     return bool(told) and numbers > 0.8 * len(told)
 
 
-def cut_to(table: LogTable, columns: Sequence[int]) -> tuple[LogTable, tuple[str, ...]]:
-    """Return a table of the columns up to the last that is needed, all rows of one length.
-
-    Rows that do not reach it become blank lines, so that lines keep their numbers, and are counted;
-    so do rows that are shorter than most, in which a column may be missing anywhere.
-    """
-    needed, width = max(columns, default=-1) + 1, _require_columns(table)
-    usual = Counter(len(row) for row in table.sample()).most_common(1)
-    least = max(needed, min(usual[0][0] if usual else 0, width))
-    lines = [""] * (table.body.count(b"\n") + 1)
-    short = rows = 0
-    for line, fields in table.rows():
-        rows += 1
-        if len(fields) < least or _is_shifted(fields, width):
-            short += 1
-            continue
-        quoted = (
-            '"' + field.replace('"', '""') + '"'
-            if table.delimiter in field or '"' in field
-            else field
-            for field in fields[:needed]
-        )
-        lines[line - table.first_line] = table.delimiter.join(quoted)
-    notes: tuple[str, ...] = ()
-    if short:
-        notes = (f"{short:,} of {rows:,} rows lack columns, or have too many: left aside",)
-    body = "\n".join(lines).encode("utf-8")
-    return replace(table, header=table.header[:needed], body=body), notes
-
-
 def repeated_headers(table: LogTable) -> list[int]:
     """Return the lines on which the header stands again: another capture was appended there."""
     start = table.delimiter.join(table.header[:3]).lower().encode()
@@ -227,7 +196,7 @@ def _fields(text: str, delimiter: str) -> list[str]:
 
 def exact_numbers(table: LogTable, columns: Sequence[int]) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the numbers of a table, row by row, and what was odd; the exact and slow way."""
-    width = _require_columns(table)
+    width = require_columns(table)
     table, cut = _without_cut_row(table)
     needed = max(columns, default=-1) + 1
     commas = comma_style(
@@ -239,7 +208,7 @@ def exact_numbers(table: LogTable, columns: Sequence[int]) -> tuple[FloatArray, 
         rows += 1
         if not table.ragged:
             # A word between the rows is no frame; a row with too many numbers is of unsure columns.
-            if len(fields) < min(needed, 2) or (len(fields) > width and _is_shifted(fields, width)):
+            if len(fields) < min(needed, 2) or (len(fields) > width and is_shifted(fields, width)):
                 aside += 1
                 continue
             short += len(fields) < needed
@@ -293,7 +262,7 @@ def _kept(
     return values, notes
 
 
-def _require_columns(table: LogTable) -> int:
+def require_columns(table: LogTable) -> int:
     """Return the width of rows that are in order.
 
     Raises `InputError` if most rows have columns that cannot be told apart: they are separated by
@@ -306,7 +275,7 @@ def _require_columns(table: LogTable) -> int:
     if len(single) > len(rows) // 2:
         hint = f"rows must use the delimiter of the header, {table.delimiter!r}"
         raise InputError(f"{expected}, got 1; {hint}", path=table.path, line=table.first_line)
-    longer = [row for row in rows if _is_shifted(row, width)]
+    longer = [row for row in rows if is_shifted(row, width)]
     if len(longer) <= len(rows) // 2 or not longer:
         return width
     if table.delimiter != ",":
@@ -317,7 +286,7 @@ def _require_columns(table: LogTable) -> int:
     )
 
 
-def _is_shifted(fields: Sequence[str], width: int) -> bool:
+def is_shifted(fields: Sequence[str], width: int) -> bool:
     """Return whether a row has more numbers than the header has names, so that none is sure."""
     return any(
         field.strip() and number_of(field, "thousands") is not None for field in fields[width:]

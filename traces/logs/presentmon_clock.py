@@ -114,7 +114,7 @@ def _require_order(time_s: FloatArray, table: LogTable, lines: Sequence[int]) ->
     if not len(timed):
         message = "expected a time in each row, got none; capture again"
         raise InputError(message, path=table.path, line=table.first_line)
-    time_s, lines = time_s[timed], [lines[row] for row in timed]
+    time_s, lines = time_s[timed], [lines[int(row)] for row in timed.tolist()]
     refuse_rows(
         np.append(False, np.diff(time_s) < 0.0),
         lambda row: (

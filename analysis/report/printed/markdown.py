@@ -9,6 +9,7 @@ from ...verdict.changes import Changes
 from ..changes_table import change_sentences, change_span, is_worse, shown_changes, summarise
 from ..summary import (
     HEADLINE,
+    behind_text,
     describe_run,
     folded,
     keeps_text,
@@ -71,7 +72,7 @@ def _ranking(comparison: Comparison) -> str:
     heads = ("rank", "policy", "knob", "keeps", *(" ".join(c.header.split()) for c in HEADLINE))
     rows = [
         (
-            rank_text(policy),
+            f"{rank_text(policy)} {behind_text(policy)}".rstrip(),
             _name(policy.label),
             _name(knob_words(policy)),
             keeps_text(policy),

@@ -57,6 +57,7 @@ def printed_tables(comparison: Comparison) -> list[PrintedTable]:
         _chances(comparison),
         _curves(comparison),
         _budgets(comparison),
+        _costs(comparison),
         _steps(comparison),
         _worst_moments(comparison),
         _unscored(comparison),
@@ -66,7 +67,17 @@ def printed_tables(comparison: Comparison) -> list[PrintedTable]:
 
 def _ranking(comparison: Comparison) -> PrintedTable:
     metrics = [find_metric(column.metric) for column in HEADLINE]
-    heads = ("rank", "policy", "knob", "same as", "p keeps", "kept", "paths", "work ms")
+    heads = (
+        "rank",
+        "behind by",
+        "policy",
+        "knob",
+        "same as",
+        "p keeps",
+        "kept",
+        "paths",
+        "work ms",
+    )
     return PrintedTable(
         "ranking",
         f"Policies under a budget of {comparison.budget_ms:.4g} ms in {comparison.scene}, by rank; "
@@ -75,6 +86,7 @@ def _ranking(comparison: Comparison) -> PrintedTable:
         tuple(
             (
                 rank_text(policy),
+                policy.behind_by,
                 policy.label,
                 knob_words(policy),
                 policy.same_as,
@@ -173,6 +185,19 @@ def _budgets(comparison: Comparison) -> PrintedTable:
         tuple(
             (at.refresh_hz, at.budget_ms, ", ".join(at.first), ", ".join(at.misses))
             for at in (() if robustness is None else robustness.budgets)
+        ),
+    )
+
+
+def _costs(comparison: Comparison) -> PrintedTable:
+    robustness = comparison.robustness
+    return PrintedTable(
+        "costs",
+        "Who comes first with costs that nobody measured, read off the curves.",
+        tuple(map(Column, ("with", "the first stands", "first", "does not reach it"))),
+        tuple(
+            (item.cost, item.stands, ", ".join(item.first), ", ".join(item.misses))
+            for item in (() if robustness is None else robustness.costs)
         ),
     )
 

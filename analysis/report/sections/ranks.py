@@ -6,7 +6,15 @@ from ...metrics.metric_registry import find_metric
 from ...study.comparison_parts import PolicyResult
 from ..blocks import Across, Cell, Paragraph, Table
 from ..results import Results, section
-from ..summary import HEADLINE, MetricColumn, keeps_text, knob_words, rank_text, shown_policies
+from ..summary import (
+    HEADLINE,
+    MetricColumn,
+    behind_text,
+    keeps_text,
+    knob_words,
+    rank_text,
+    shown_policies,
+)
 from ..terminal_table import explain
 
 _GROUPS = {"misses": "Not surely within the budget", "oracle": "Oracles, which see the true cost"}
@@ -18,9 +26,9 @@ def ranks(results: Results) -> tuple[Table, Paragraph]:
 
     Below each value stands its {level} interval.
     """
-    heads = ("rank", "policy", "knob", "keeps", *map(_head, HEADLINE))
+    heads = ("rank", "policy", "knob", "keeps", "behind by", *map(_head, HEADLINE))
     words = explain(results.comparison)
-    return Table(heads, list(_rows(results))), Paragraph(words, "dim")
+    return Table(heads, list(_rows(results)), "ranks"), Paragraph(words, "dim")
 
 
 def _rows(results: Results) -> Iterator[tuple[Cell | str, ...] | Across]:
@@ -32,7 +40,7 @@ def _rows(results: Results) -> Iterator[tuple[Cell | str, ...] | Across]:
         before = rank
         name = results.name_of(policy)
         cells = (results.value_of(policy, column) for column in HEADLINE)
-        yield rank, name, knob_words(policy), _keeps(policy), *cells
+        yield rank, name, knob_words(policy), _keeps(policy), behind_text(policy), *cells
 
 
 def _keeps(policy: PolicyResult) -> Cell:

@@ -29,6 +29,10 @@ def tradeoffs(results: Results) -> tuple[Chart, Table] | tuple[Chart]:
         )
         for at in robustness.budgets
     ]
+    rows += [
+        (f"with {item.cost}", ", ".join(item.first) or "nobody", ", ".join(item.misses) or "–")
+        for item in robustness.costs
+    ]
     heads = ("budget, read off the curves", "first rank", "does not reach it")
     return chart, Table(heads, rows)
 

@@ -79,11 +79,12 @@ _MOMENT = pa.struct(
 )
 _FOOTING = "footing"
 _GROUND = pa.struct([("full_gpu_ms", pa.float64()), ("empty_fraction", pa.float64())])
+_ADDED = "added_ms"
 _IDS = tuple(metric.id for metric in METRICS)
 
 
 _OF_SCORED = ("digest", "status", "reason", "frame", "frames", "judged_ms")
-_DECODED = (*_OF_SCORED, _STEPS, _WORST, _FOOTING)
+_DECODED = (*_OF_SCORED, _STEPS, _WORST, _FOOTING, _ADDED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,6 +113,7 @@ def schema_of(axes: Mapping[str, Sequence[AxisValue]]) -> pa.Schema:
     fields += [pa.field(name, pa.float64()) for name in _IDS]
     fields.append(pa.field(_STEPS, pa.list_(_STEP)))
     fields += [pa.field(_WORST, _MOMENT), pa.field(_FOOTING, _GROUND)]
+    fields.append(pa.field(_ADDED, pa.map_(pa.string(), pa.float64())))
     names = [item.name for item in fields]
     taken = next((name for name in axes if names.count(name) > 1), None)
     if taken is not None:
@@ -135,6 +137,7 @@ def encode(runs: "RunList", entries: Sequence[Entry]) -> pa.Table:
     columns["judged_ms"] = [None if one is None else one.judged_ms for one in scored]
     columns[_WORST] = [None if one is None else asdict(one.worst) for one in scored]
     columns[_FOOTING] = [None if one is None else asdict(one.footing) for one in scored]
+    columns[_ADDED] = [None if one is None else list(one.added_ms.items()) for one in scored]
     return pa.Table.from_pydict(columns, schema=schema)
 
 
@@ -161,6 +164,7 @@ def decode(table: pa.Table) -> Iterator[tuple[str, Scored | Failure]]:
                 judged_ms=columns["judged_ms"][row],
                 worst=Moment(**columns[_WORST][row] | _camera(columns[_WORST][row])),
                 footing=Footing(**columns[_FOOTING][row]),
+                added_ms=dict(columns[_ADDED][row]),
             ),
         )
 

@@ -115,7 +115,7 @@ def tune_policy(
         better=better,
         answer=answer(shipped, found, gain, better=better),
         policy_line=policy_text(spec.name, winner.params),
-        provenance=make_provenance(bench, settings.command),
+        provenance=make_provenance(bench, settings.margin, settings.command),
     )
 
 

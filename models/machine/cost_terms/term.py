@@ -55,11 +55,12 @@ NO_CHANGES = LevelChanges()
 
 
 class FrameShape(NamedTuple):
-    """What a frame is as a whole: pixels rendered, distinct types drawn, and what is new in it."""
+    """What a frame is as a whole: pixels, types and objects drawn, and what is new in it."""
 
     pixels: float
     types: int
     changes: LevelChanges = NO_CHANGES
+    objects: int = 1
 
 
 class FrameTerm(ABC):

@@ -78,6 +78,15 @@ def test_distances_by_hand(ball: Scene) -> None:
     assert [level["distance"] for level in doubled] == pytest.approx([0.0, 60.0, 100.0])
 
 
+def test_distances_by_size(make_scene: Callable[..., Scene]) -> None:
+    """Where none is given it is 4 to 80 radii: of 1 m at scale 1, whatever the objects' scale."""
+    scene = make_scene([(0.0, 0.0, 0.0)], scale=3.0)
+    found = settings_of("threejs", "static-distance", scene)
+    far_m = [4.0 + 76.0 / 3.0, 4.0 + 152.0 / 3.0]
+    assert [level["distance"] for level in found.types[0].levels] == pytest.approx([0.0, *far_m])
+    assert any("multiply them by an object's scale" in sentence for sentence in found.differs)
+
+
 def test_thresholds_by_hand() -> None:
     """One number of the project: pixels of error in Godot, of screen-space error in Cesium."""
     godot = settings_of("godot", "pixel-error:threshold_px=2.5", None)
@@ -95,6 +104,7 @@ def test_thresholds_by_hand() -> None:
     [
         "static-screen:first=0.2,ratio=0.6,bias=1.7,hysteresis=0.02",
         "static-distance:near_m=2,far_m=40,hysteresis=0.15,scale=0.7",
+        "static-distance:hysteresis=0.15",
     ],
 )
 def test_switches_are_those_of_the_policy(policy: str, ball: Scene, make_view: Any) -> None:

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.report.summary import HEADLINE
+from lodbench.analysis.report.summary import HEADLINE, keeps_text
 from lodbench.analysis.report.terminal_table import print_comparison
 from lodbench.analysis.report.values import format_value
 from lodbench.analysis.study.compare import CompareSettings, compare
@@ -67,6 +67,28 @@ def test_short_table_fits_in_100_columns(comparison: Comparison) -> None:
     lines = [line for line in text.splitlines() if not line.startswith(("failed", "not-appl"))]
     assert max(map(len, lines)) <= 100
     assert "…" not in text
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [(0.8999, "0.89 3/4"), (0.9, "0.90 3/4"), (0.895, "0.89 3/4"), (0.9951, "1.00 3/4")],
+)
+def test_who_misses_is_not_printed_as_sure(
+    comparison: Comparison, probability: float, text: str
+) -> None:
+    """From .9 on a policy keeps the budget: what is short of it is not rounded to it."""
+    first = comparison.ok[0]
+    assert first.keeps_budget is not None
+    keeps = replace(first.keeps_budget, probability=probability, kept=3, paths=4)
+    assert keeps_text(replace(first, keeps_budget=keeps)) == text
+
+
+def test_what_puts_a_policy_behind_is_told(comparison: Comparison) -> None:
+    """The metric of the verdict stands in its row in a word."""
+    first = replace(comparison.ok[0], rank=2, behind_by="visible_pops_per_s")
+    text = printed(replace(comparison, policies=(first,)), 100)
+    row = next(line for line in text.splitlines() if line.startswith("2 "))
+    assert " pops " in row
 
 
 @pytest.mark.parametrize("width", [40, 80])

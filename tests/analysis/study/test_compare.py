@@ -131,6 +131,46 @@ def test_broken_policies_fail_by_name_and_frame(world: Any, bad_policies: Path) 
         assert fault in reason
 
 
+REFUSES = """
+from lodbench import InputError
+from lodbench.policies import Capabilities
+
+class Refuses:
+    capabilities = Capabilities()
+    def reset(self, scene, budget_ms): raise InputError("weights.npz: expected numbers, got none")
+    def select(self, view): raise NotImplementedError
+"""
+
+
+def test_what_a_policy_refuses_when_it_begins_is_its_own_failure(
+    world: Any, tmp_path: Path
+) -> None:
+    """An input error of a user's class ends no study: the others are scored."""
+    own = tmp_path / "mine.py"
+    own.write_text(REFUSES, encoding="utf-8")
+    comparison = world.compare("full", f"{own}:Refuses").comparison
+    assert [policy.label for policy in comparison.ok] == ["full"]
+    (failed,) = comparison.failed
+    assert failed.reason is not None
+    assert failed.reason.startswith("reset: ")
+    assert "weights.npz: expected numbers, got none" in failed.reason
+
+
+def test_the_hash_of_settings_tells_what_was_asked(world: Any) -> None:
+    """Another margin, budget, share or warm-up is another question; other policies are not."""
+
+    def settings(*policies: str, budget_ms: float = 8.0, **changed: float) -> str:
+        replay = replace(REPLAY, budget_ms=budget_ms)
+        found = world.compare(*policies, settings=replace(ONE, **changed), replay=replay)
+        return found.comparison.provenance.settings
+
+    same = settings("full")
+    assert same == settings("static-screen:bias=1")
+    others = [settings("full", budget_ms=9.0), settings("full", margin=0.2)]
+    others += [settings("full", miss=0.02), settings("full", warmup_s=0.6)]
+    assert len({same, *others}) == 5
+
+
 def test_policy_that_does_not_fit_is_not_applicable(world: Any, bad_policies: Path) -> None:
     """A policy for trees is not run on a flat scene, and the reason says why."""
     comparison = world.compare("full", f"{bad_policies}:OnlyTrees").comparison

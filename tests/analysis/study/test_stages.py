@@ -42,6 +42,20 @@ def test_paths_in_the_building() -> None:
 
 
 @pytest.mark.slow
+def test_an_orbit_sees_the_whole_city() -> None:
+    """Every wall is in view from everywhere on it, as in the HLOD thesis' fly-through."""
+    scene = load_scene("city")
+    trace = load_trace("orbit", scene)
+    for second in np.linspace(0.0, trace.duration_s, 7).tolist():
+        pose = trace.pose_at(second)
+        camera = Camera(pose.position_m, pose.orientation_xyzw, 1024, 768, math.radians(60.0))
+        x, y, z = camera.to_camera(scene.center_m[scene.roots].T)
+        assert (z > 100.0).all()
+        assert (np.abs(x) * camera.focal_px / z < 512.0).all()
+        assert (np.abs(y) * camera.focal_px / z < 384.0).all()
+
+
+@pytest.mark.slow
 def test_paths_over_mountains() -> None:
     """Nothing goes below the ground; on foot and by car the eye keeps its height above it."""
     scene, _ = build_styria()

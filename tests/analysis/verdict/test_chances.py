@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t
 
-from lodbench.analysis.verdict.chances import chances, order_chances
+from lodbench.analysis.verdict.chances import chances, order_chances, tuning_spread
 from lodbench.analysis.verdict.criterion import Criterion
 from lodbench.analysis.verdict.shrinkage import shrink
 
@@ -56,6 +56,19 @@ def test_certain_and_unknown() -> None:
     one = chances(plain(values[:, :1]))
     assert np.isnan([one.p_best, one.p_within_margin, one.regret]).all()
     assert np.isnan(order_chances([plain(values[:, :1])]).p_best).all()
+
+
+def test_tuning_makes_less_sure() -> None:
+    """Five turns: a variance of 1 + 5 / 4, 1.5 times the spread; a lead is then less of a proof."""
+    assert tuning_spread(5) == 1.5
+    assert tuning_spread(2) == pytest.approx(math.sqrt(3.0))
+    values = two_policies(0.08)
+    sure = chances(plain(values), draws=20_000).p_within_margin[1]
+    less = chances(plain(values), draws=20_000, spread=1.5).p_within_margin[1]
+    error = float((values[1] - values[0]).std(ddof=1)) / math.sqrt(6)
+    lead = float((values[1] - values[0]).mean())
+    assert sure == pytest.approx(float(t(df=5).sf(lead / error)), abs=0.01)
+    assert less == pytest.approx(float(t(df=5).sf(lead / (1.5 * error))), abs=0.01)
 
 
 @pytest.mark.parametrize("policies", [2, 7])

@@ -15,6 +15,7 @@ from lodbench.analysis.study.comparison_parts import (
     PolicyResult,
     Provenance,
     Sampling,
+    UnitCosts,
 )
 from lodbench.analysis.verdict.changes import WATCHED, find_changes
 from lodbench.base.errors import InputError
@@ -61,7 +62,8 @@ def make_compared(
         curve={},
         worst_moments={},
         robustness=None,
-        provenance=Provenance("", "0", "", {}),
+        unit_costs=UnitCosts({"triangles": 0.002, "framebuffer_pixels": 0.5}, {"draw_calls": 0.1}),
+        provenance=Provenance("", "0", "", {}, ""),
     )
     given = {name: np.asarray(values.get(name, 1.0), np.float64) for name in WATCHED}
     known = {  # by path and seed
@@ -117,7 +119,8 @@ def test_a_small_change_on_every_path_is_found(
     change = pytest.approx(later.mean() - work.mean())
     assert (found.low, found.high) == (change, change)  # its seeds are alike: there is no noise
     (policy,) = changes.policies
-    assert (policy.term, policy.term_ratio) == ("triangles", pytest.approx(1.1))
+    assert (policy.term, policy.side) == ("triangles", "gpu")
+    assert policy.term_ms == pytest.approx(100 * 0.002)
     assert (policy.rank_before, policy.rank_after) == (1, 2)
     assert (policy.knob_before, policy.knob_after) == ("bias=1", "bias=1.5")
 

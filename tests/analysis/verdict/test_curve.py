@@ -1,6 +1,7 @@
 """Trade-off curves, and the area between two of them integrated by hand."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,13 @@ PATHS = np.array([0.9, 1.0, 1.0, 1.2])
 def curve(work_ms: list[float], error_px: list[float]) -> Curve:
     """Return a curve of these means, on four paths that differ in work and error."""
     work, error = (np.array(of)[:, None] * PATHS for of in (work_ms, error_px))
+    nothing = np.zeros_like(work)
+    return Curve(np.arange(len(work) * 1.0), work, 0.6 * work, error, nothing, nothing)
+
+
+def alone(work_ms: list[float], error_px: list[float]) -> Curve:
+    """Return a curve on a single path."""
+    work, error = np.array(work_ms)[:, None], np.array(error_px)[:, None]
     nothing = np.zeros_like(work)
     return Curve(np.arange(len(work) * 1.0), work, 0.6 * work, error, nothing, nothing)
 
@@ -47,6 +55,16 @@ def test_a_bend_by_hand() -> None:
     bent = curve([1.0, math.e, math.e**2], [1.0, math.e, math.e])
     mean = (0.5 + 1.5 / 12 + 1.0) / 2
     assert area_between(flat, bent) == pytest.approx(100 * math.expm1(mean), rel=1e-9)
+
+
+def test_area_agrees_with_another_library() -> None:
+    """Bjøntegaard's rate at equal quality is our error at equal work, to a millionth."""
+    bjontegaard: Any = pytest.importorskip("bjontegaard")
+    work, error = [2.0, 3.1, 5.0, 9.5, 16.0], [8.0, 5.5, 2.6, 1.2, 0.4]
+    other_work, other_error = [2.5, 4.0, 6.0, 8.0, 14.0], [7.9, 4.4, 1.9, 1.3, 0.3]
+    oracle = bjontegaard.bd_rate(error, np.log(work), other_error, np.log(other_work), "pchip")
+    curves = alone(work, error), alone(other_work, other_error)
+    assert area_between(*curves) == pytest.approx(oracle, rel=1e-6)
 
 
 def test_only_the_common_range_counts() -> None:

@@ -9,9 +9,9 @@ from scipy.stats import beta, t
 
 from lodbench.analysis.verdict.intervals import (
     Interval,
-    difference,
     such_paths,
     this_path,
+    welch_degrees,
     with_machine,
 )
 from lodbench.analysis.verdict.metric_kinds import Kind
@@ -175,39 +175,6 @@ def test_skew_that_ten_paths_cannot_cover_is_said() -> None:
     assert all(of.enough for of in steady)
 
 
-def test_difference_is_paired() -> None:
-    """Common paths cancel: the interval is that of the differences, turned with the order."""
-    path = np.array([3.0, 5.0, 9.0, 4.0, 30.0])
-    a, b = path + np.array([1.0, -0.5, 2.0, 0.3, -0.2]), path
-    forth, back = difference(a, b, "positive"), difference(b, a, "positive")
-    assert forth is not None
-    assert back is not None
-    assert forth == over_paths(a - b, "signed")
-    assert (-back.high, -back.low) == pytest.approx((forth.low, forth.high))
-
-
-def test_difference_of_what_is_always_worse_is_turned_positive() -> None:
-    """A difference that is negative on every path reaches further down than up."""
-    values = np.array([1.0, 2.0, 1.5, 4.0, 1.2, 1.1])
-    worse = difference(np.zeros(6), values, "positive")
-    positive = over_paths(values, "positive")
-    assert worse is not None
-    assert (worse.low, worse.high) == (-positive.high, -positive.low)
-
-
-def test_rare_misses_leave_their_difference_open() -> None:
-    """Neither of two policies missed on ten paths: each may, by the exact bound, to either side."""
-    never = np.zeros(10)
-    found = difference(never, never, "share")
-    bound = 1 - 0.05**0.1
-    assert found is not None
-    assert (found.low, found.high) == pytest.approx((-bound, bound))
-    assert difference(never, never, "extreme") is None
-    once = difference(np.array([0.1] + [0.0] * 9), never, "share")
-    assert once is not None
-    assert once.low < 0 < once.high
-
-
 def test_this_path_by_hand() -> None:
     """One path, seeds 1 and 3: mean 2, error 1, one degree of freedom; two more seeds would do."""
     found = this_path(np.array([[1.0, 3.0]]))
@@ -289,3 +256,33 @@ def test_machine_never_narrows() -> None:
     )
     assert found is not None
     assert 0 <= found.low <= paths.low < paths.high <= found.high <= 1
+
+
+def test_degrees_of_freedom_are_no_more_than_there_are() -> None:
+    """Ten equal variances of one degree each are known with ten, one alone with its own."""
+    assert welch_degrees(np.ones(10), 1.0) == 10.0
+    assert welch_degrees(np.array([1.0] + [0.0] * 9), 1.0) == 1.0
+    assert 1.0 < welch_degrees(np.array([9.0, 1.0, 1.0]), 1.0) < 3.0
+
+
+def test_a_rate_that_most_paths_hold_may_be_lower_on_others() -> None:
+    """60 fps on nine of ten paths says little of the tenth: intervals cover the mean of such paths.
+
+    Rates are 60 with probability .8, else uniform in 20 to 60: their mean is 56.
+    """
+    rng = np.random.default_rng(4)
+    hits = studies = 0
+    for _ in range(1000):
+        values = np.where(rng.random(10) < 0.8, 60.0, rng.uniform(20.0, 60.0, 10))
+        found = over_paths(values, "capped")
+        assert found.low <= values.mean() <= found.high <= 60.0
+        hits += found.low <= 56.0 <= found.high
+        studies += 1
+    assert hits / studies >= 0.87
+
+
+def test_a_rate_that_all_paths_hold_is_bounded_exactly() -> None:
+    """Ten paths at 60: with 95 % at most 26 % of such paths are below, at worst at 0."""
+    found = over_paths(np.full(10, 60.0), "capped")
+    assert found.high == 60.0
+    assert found.low == pytest.approx(60.0 * (1.0 - (1.0 - 0.05 ** (1.0 / 10.0))), rel=1e-6)

@@ -25,6 +25,7 @@ def named(metric_id: str, unit: str) -> Metric:
         ("visible_error_px", "px", "positive"),
         ("overshoot_ratio", "ratio", "positive"),
         ("optimality", "ratio", "signed"),
+        ("fps_low1_mean", "fps", "capped"),
     ],
 )
 def test_kinds_by_name(metric_id: str, unit: str, kind: Kind) -> None:

@@ -1,22 +1,30 @@
 """The gate's decisions: by hand, against scipy, and how often they are wrong or missing."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
 
 from lodbench.analysis.verdict.paired import (
+    FAIL_ALPHA,
     Judgement,
+    by_t,
+    decide,
     excess,
     holm,
-    judge,
     needed_replicates,
     one_sided_p,
 )
 
 NOW = np.array([10.2, 11.1, 9.9, 10.8, 10.4])
 THEN = np.array([10.0, 10.7, 9.8, 10.5, 10.2])
+
+
+def judge(excesses: Sequence[np.ndarray]) -> tuple[Judgement, ...]:
+    """Return the judgement of each of several limits, as the gate judges them together."""
+    return decide([by_t(of, FAIL_ALPHA / len(excesses)) for of in excesses])
 
 
 def test_excess_by_hand() -> None:

@@ -1,5 +1,7 @@
 """Over which speeds and refresh rates the first rank stands, on curves worked by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,26 @@ def test_who_cannot_reach_a_budget_is_named() -> None:
     # It keeps down to a budget of a little over 10 ms.
     assert 10.0 / 16.0 < found.speed_low < 12.0 / 16.0
     assert found.speed_high == 2.0
+
+
+def test_a_cost_that_only_one_pays_for_decides() -> None:
+    """Half of the error at a fifth more work is still first, at five times it misses the budget."""
+    finer, other = curve(100.0, 1.0), curve(200.0, 1.0)
+
+    def costing(factor: float) -> dict[str, Curve]:
+        paid = replace(finer, added_ms={"more": factor * finer.p99_ms})
+        return {"finer": paid, "other": replace(other, added_ms={"more": other.p99_ms})}
+
+    little, much = robustness(costing(1.2), 4.0), robustness(costing(5.0), 4.0)
+    assert little.first == much.first == ("finer",)
+    assert (little.with_costs, little.misses_with) == ({"more": ("finer",)}, {"more": ()})
+    assert (much.with_costs, much.misses_with) == ({"more": ("other",)}, {"more": ("finer",)})
+
+
+def test_a_cost_that_not_all_know_is_not_tried() -> None:
+    """Curves of logs that do not count it say nothing of it."""
+    known = replace(curve(100.0, 1.0), added_ms={"more": curve(100.0, 1.0).p99_ms})
+    assert robustness({"a": known, "b": curve(200.0, 1.0)}, 4.0).with_costs == {}
 
 
 def test_nobody_keeps() -> None:

@@ -63,14 +63,31 @@ def test_a_splat_a_leaf_is_exact() -> None:
 
 
 def test_levels_of_a_group() -> None:
-    """A group of 16 trees is 16 draws at any knot, from 16 × 512 splats to one a tree."""
+    """A group of 16 trees is 16 draws from 16 × 512 splats to one a tree, then fewer trees."""
     table = splat_levels(plant(512), knots=5, trees=16)
     splats = table.counts[:, LEVEL_PREDICTORS.index("splats")]
-    assert splats[[0, -1]].tolist() == [16 * 512, 16]
-    assert len(splats) == 5
-    assert (table.counts[:, LEVEL_PREDICTORS.index("draw_calls")] == 16).all()
+    draws = table.counts[:, LEVEL_PREDICTORS.index("draw_calls")]
+    assert splats[[0, -2, -1]].tolist() == [16 * 512, 16, 1]
+    assert draws.tolist() == [16] * 5 + [1]
     assert table.error_m[0] == 0.0
+    assert table.error_m[-1] > table.error_m[-2]
     assert table.continuous.tolist() == [True]
+    assert table.min_resolution[0] == pytest.approx(1 / (16 * 512))
+
+
+@pytest.mark.parametrize(("splats", "trees"), [(40, 16), (16, 16), (11, 11), (1, 1)])
+def test_a_fraction_of_a_group(splats: int, trees: int) -> None:
+    """Below a splat a tree there are as many trees as splats."""
+    table = splat_levels(plant(512), knots=5, trees=16)
+    row, part = table.position(np.zeros(1, dtype=np.int32), np.array([splats / (16.0 * 512.0)]))
+    counts = table.interpolate(table.counts, row, part)[0]
+    assert counts[LEVEL_PREDICTORS.index("splats")] == pytest.approx(splats)
+    assert counts[LEVEL_PREDICTORS.index("draw_calls")] == pytest.approx(trees)
+
+
+def test_a_tree_by_itself_has_no_fraction() -> None:
+    """Its coarsest level is one splat."""
+    table = splat_levels(plant(512), knots=5)
     assert table.min_resolution[0] == pytest.approx(1 / 512)
 
 

@@ -125,6 +125,30 @@ def test_textures_shrink_with_their_level(tree: Hlod) -> None:
     assert 0.45 < tree.counts[0, 4] / tree.counts[0, 2] < 0.55
 
 
+def test_surfaces_and_normals(tree: Hlod) -> None:
+    """At each depth areas sum to the level's; pieces of a round column face away from its axis."""
+    for depth in range(4):
+        rows = tree.depth == depth
+        assert tree.surface_m2[rows].sum() == pytest.approx(area(*pieces_at(tree, depth)), rel=1e-6)
+    assert np.linalg.norm(tree.normal[0]) < 1e-6  # a closed surface faces nowhere
+    leaf = tree.depth == 3
+    assert np.linalg.norm(tree.normal[leaf], axis=1) == pytest.approx(1.0)
+    middle = (tree.low_m + tree.high_m)[leaf] / 2.0
+    outward = (tree.normal[leaf] * middle).sum(axis=1)
+    assert (outward > 0.0).mean() > 0.9
+
+
+def test_spheres_hold_all_that_is_below(tree: Hlod) -> None:
+    """Who culls a node by its sphere culls nothing that is in view."""
+    scene, _ = hlod_scene(
+        "one", [tree], np.zeros(1, int), np.zeros((1, 3)), np.zeros(1), np.ones(1)
+    )
+    child = np.flatnonzero(scene.parent >= 0)
+    parent = scene.parent[child]
+    gap_m = np.linalg.norm(scene.center_m[child] - scene.center_m[parent], axis=1)
+    assert (gap_m + scene.radius_m[child] <= scene.radius_m[parent] * (1.0 + 1e-12)).all()
+
+
 def test_copies_in_a_scene(tree: Hlod) -> None:
     """Two copies, one turned and half as large: roots first, children below their own root."""
     scene, geometry = hlod_scene(

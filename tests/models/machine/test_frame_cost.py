@@ -16,7 +16,7 @@ from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
 from lodbench.models.machine.cost_terms.term import LevelChanges
 from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.machine.picture_units import view_units
-from lodbench.models.scene.levels import LevelTable
+from lodbench.models.scene.levels import LevelTable, count_rows
 
 MakeLevels = Callable[..., LevelTable]
 RASTERIZED = VIEW_TERMS["rasterized_triangles"]
@@ -169,7 +169,7 @@ def test_a_frame_is_what_is_fixed_and_its_objects(make_levels: MakeLevels) -> No
     view = Seen(area, 0.4 * area, np.array([1.0, 0.5, 0.1, 1.0]))
     price = costs.frame(row, view, 1000.0, fraction=fraction, pixel_share=0.5)
     objects_ms = costs.objects_ms(row, view, fraction=fraction, pixel_share=0.5)
-    assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2) + objects_ms.sum(), rel=1e-12)
+    assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2, 4) + objects_ms.sum(), rel=1e-12)
 
 
 def test_rasterized_triangles_by_simulation() -> None:
@@ -187,6 +187,17 @@ def test_rasterized_triangles_have_their_limits() -> None:
     covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
     units = RASTERIZED.count([triangles], Seen(covered, covered, inside))
     assert units == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
+
+
+def test_textured_triangles_may_be_the_cheaper_ones() -> None:
+    """Of 100 triangles with 80 textured and 50 with 20, at 1 and 4 ms: 80 + 80 and 20 + 120."""
+    counts = count_rows(2, triangles=[100.0, 50.0], textured_triangles=[80.0, 20.0])
+    levels = LevelTable(np.array([0, 2]), counts, np.zeros(2), np.zeros(2), np.zeros(1, bool))
+    model = CostModel.of(0.0, {"textured_triangles": 1.0, "untextured_triangles": 4.0})
+    costs = FrameCost(model, levels)
+    row, view = np.array([0, 1]), seen([1.0, 1.0])
+    assert costs.objects_ms(row, view) == pytest.approx([160.0, 140.0])
+    assert costs.frame(row, view, 1e6).gpu_ms == pytest.approx(300.0)
 
 
 @pytest.mark.parametrize("name", VIEW_TERMS)

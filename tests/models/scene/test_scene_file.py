@@ -96,6 +96,26 @@ def test_round_trip(moving: tuple[Scene, Geometry], tmp_path: Path) -> None:
     assert read_origin(path) == origin
 
 
+def test_what_was_measured_of_types_comes_back(
+    ball_scene: tuple[Scene, Geometry], tmp_path: Path
+) -> None:
+    """Surfaces and normals do, and files of before have none."""
+    scene, geometry = ball_scene
+    kinds = len(scene.types.names)
+    normal = np.tile((0.0, 0.6, 0.8), (kinds, 1))
+    types = replace(scene.types, surface_m2=np.arange(1.0, kinds + 1.0), normal=normal)
+    path = tmp_path / "a.lodscene"
+    write_scene(path, replace(scene, types=types), geometry)
+    assert same(read_scene(path).types, types)
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(tmp_path / "old.lodscene", "w") as new:
+        for item in old.infolist():
+            if item.filename not in ("types/surface_m2.npy", "types/normal.npy"):
+                new.writestr(item, old.read(item))
+    before = read_scene(tmp_path / "old.lodscene").types
+    assert not before.surface_m2.any()
+    assert before.normal.shape == (kinds, 3)
+
+
 def test_a_still_scene_has_no_motion(ball_scene: tuple[Scene, Geometry], tmp_path: Path) -> None:
     """What was not there does not appear."""
     write_scene(tmp_path / "a.lodscene", *ball_scene)

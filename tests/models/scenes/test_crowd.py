@@ -6,7 +6,7 @@ import pytest
 from lodbench import InputError
 from lodbench.models.meshes.level_mesh import level_mesh
 from lodbench.models.scene.scene_catalog import load_scene
-from lodbench.models.scenes.crowd import build_crowd, character_mesh
+from lodbench.models.scenes.crowd import build_crowd, character_mesh, walking_poses
 
 
 def test_a_character_as_in_table_1() -> None:
@@ -32,9 +32,27 @@ def test_crowds(count: int) -> None:
     assert (vertices[0], triangles[0]) == (1_642.0, 2_620.0)
     assert (skinned == vertices).all()
     assert (textured == triangles).all()
-    assert levels.min_resolution[0] < 0.05
+    assert triangles[-1] == 190.0  # the coarsest of Fig. 3
     gap = scene.position_m[:32, None, :2] - scene.position_m[None, :32, :2]
     assert (np.linalg.norm(gap, axis=2) + 9.0 * np.eye(32)).min() > 0.6
+
+
+def test_poses_of_a_stride() -> None:
+    """Body and head stand still, arms swing against legs, and left and right change places."""
+    mesh = character_mesh()
+    poses = walking_poses(mesh)
+    assert poses.shape == (8, len(mesh.positions), 3)
+    x, y, z = mesh.positions.T
+    still = np.abs(poses - mesh.positions).max(axis=(0, 2)) < 1e-12
+    assert still[z > 1.55].all()
+    foot = [np.flatnonzero((np.sign(x) == side) & (z < 0.1)) for side in (-1, 1)]
+    hand = [np.flatnonzero((x * side > 0.27) & (z < 0.85)) for side in (-1, 1)]
+    ahead = poses[:, :, 1] - y
+    left, right = (ahead[:, at].mean(axis=1) for at in foot)
+    arm = ahead[:, hand[0]].mean(axis=1)
+    assert left[2] * right[2] < 0.0 < left[2] * left[2]
+    assert left[2] * arm[2] < 0.0
+    assert left == pytest.approx(np.roll(right, 4), abs=0.02)
 
 
 @pytest.mark.parametrize("name", ["crowd-31", "crowd-32769", "crowd-9999999999"])

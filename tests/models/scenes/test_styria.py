@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench.models.scene.tree import Tree
+from lodbench.models.scenes import styria
 from lodbench.models.scenes.parts.forest_groups import MOST_IN_GROUP, group_trees
 from lodbench.models.scenes.styria import build_styria, styria_heights
 
@@ -39,6 +40,17 @@ def test_heights() -> None:
     assert np.array_equal(heights, styria_heights())
 
 
+def test_trees_stand_on_a_jittered_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On flat forest each of 100 by 100 cells has its tree, but for one in a hundred."""
+    monkeypatch.setattr(styria, "_TREES", 9_900)
+    heights = np.full((2_049, 2_049), 1_000.0)
+    place = styria._plant(heights, np.random.default_rng(0))  # pyright: ignore[reportPrivateUsage]
+    assert place.shape == (9_900, 3)
+    assert place[:, 2] == pytest.approx(1_000.0)
+    cell = np.floor(place[:, :2] / (styria.WIDTH_M / 100.0)).astype(np.int64)
+    assert np.unique(cell @ (1, 1_000)).size == 9_900
+
+
 @pytest.mark.slow
 def test_the_whole_province() -> None:
     """1.4 million trees in groups of at most 64, beside 5,461 patches of terrain."""
@@ -54,6 +66,6 @@ def test_the_whole_province() -> None:
     assert (finest[~groups & (finest[:, 2] == 0.0), 0] == 0.0).all()
     patches = finest[:, 2] > 0.0
     assert patches.sum() == sum(4**d for d in range(7))
-    assert (finest[patches, 1] == 33.0**2).all()
+    assert (finest[patches, 1] == 32.0 * 2.0 * 33.0).all()  # sent in 32 strips
     assert len(scene.roots) == 2
     assert np.ptp(scene.center_m[patches, :2], axis=0).min() > 110_000.0

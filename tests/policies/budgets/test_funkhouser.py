@@ -10,6 +10,7 @@ from lodbench.base.errors import InputError
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.budgets.funkhouser import Funkhouser
+from lodbench.policies.controllers.predictive import Predictive
 from lodbench.policies.view import View
 
 Make = Callable[..., Any]
@@ -152,7 +153,6 @@ def test_trees_choose_fronts_of_uniform_depth(
         parent=[-1, 0, 0],
         levels=levels,
         radius_m=[2.0, 1.0],
-        importance=[1.0, 4.0, 4.0],
     ).with_costs(COSTS)
     for budget_ms, front in ((1.2, [0]), (1.9, [1, 2])):
         policy = Funkhouser(hysteresis=0.0)
@@ -160,6 +160,28 @@ def test_trees_choose_fronts_of_uniform_depth(
         view = make_view(scene)
         selection = policy.select(view.at(scene.roots))
         assert selection.ids.tolist() == front
+
+
+@pytest.mark.parametrize("name", [*MODES, "predictive"])
+@pytest.mark.parametrize("exponent", [1.0, 2.0])
+def test_loose_spheres_are_refined_where_time_is_plenty(
+    name: Any, exponent: float, make_scene: Make, make_levels: Make, make_tree_view: Make
+) -> None:
+    """Children whose spheres cover a tenth of their parent's: the leaves are drawn all the same."""
+    levels = make_levels(((100.0,), (150.0,), (400.0,)))
+    position_m = [(0.0, 0.0, -40.0)] + [(x, 0.0, -40.0) for x in (-8, 8, -9, -7, 7, 9)]
+    scene = make_scene(
+        position_m,
+        kind=[0, 1, 1, 2, 2, 2, 2],
+        parent=[-1, 0, 0, 1, 1, 2, 2],
+        levels=levels,
+        radius_m=[12.0, 3.0, 0.7],
+    ).with_costs(COSTS)
+    inner = Funkhouser(mode="hull" if name == "predictive" else name, exponent=exponent)
+    policy = Predictive("funkhouser+exponent=2") if name == "predictive" else inner
+    for budget_ms, front in ((1e6, [3, 4, 5, 6]), (1e-3, [0])):
+        policy.reset(scene, budget_ms)
+        assert policy.select(make_tree_view(scene)).ids.tolist() == front
 
 
 @pytest.mark.parametrize("mode", MODES)

@@ -230,6 +230,67 @@ def test_a_static_camera_reaches_a_fixed_point(
         assert selection.work.iterations <= 5
 
 
+@pytest.mark.parametrize("engine", ["active-set", "newton"])
+@pytest.mark.parametrize("m", [1, 2])
+def test_hysteresis_is_the_optimum_with_a_kink(
+    make_scene: MakeScene, make_levels: MakeLevels, make_view: MakeView, engine: str, m: int
+) -> None:
+    """Two objects on one budget, searched by brute force: what falls counts 1.3, what rises 0.7.
+
+    A camera that hardly moves changes nothing, one that moves far something.
+    """
+    levels = make_levels([(4000.0, 40.0), (2000.0, 20.0)], continuous=True)
+    scene = make_scene([(0.0, 0.0, -10.0), (1.0, 0.0, -12.0)], kind=[0, 1], levels=levels)
+    scene = scene.with_costs(LINEAR)
+    policy = Gobbetti(m=m, engine=engine, hysteresis=0.3, velocity=False)  # pyright: ignore[reportArgumentType] - parametrised by strings
+    policy.reset(scene, 1.0 + 2e-3 + 0.3)
+    last = policy.select(make_view(scene)).detail
+    moved: list[bool] = []
+    for z in (0.05, 0.1, -6.0, 6.0):
+        camera = Camera((0.0, 0.0, z), (0.0, 0.0, 0.0, 1.0), 100, 100, np.pi / 2)
+        view = make_view(scene, camera)
+        detail = policy.select(view).detail
+        first = np.linspace(0.011, min(1.0, 0.3 / 0.4), 20_001)
+        both = np.stack((first, (0.3 - 0.4 * first) / 0.2), axis=1)
+        both = both[(both[:, 1] >= 0.01) & (both[:, 1] <= 1.0)]
+        worse = both ** -float(m) - last ** -float(m)
+        sums = (both ** -float(m) + 0.3 * np.abs(worse)) @ policy.degradation(view)
+        assert_allclose(detail, both[int(sums.argmin())], atol=3e-4)
+        assert 0.4 * detail[0] + 0.2 * detail[1] == pytest.approx(0.3, rel=1e-6)
+        moved.append(bool(np.abs(detail - last).max() > 1e-12))
+        last = detail
+    assert moved == [False, False, True, True]
+
+
+def test_hysteresis_changes_fewer_levels_within_the_same_budget(
+    crowd: Callable[..., Scene], make_hardware: MakeHardware, make_trace: MakeTrace
+) -> None:
+    """On a walk through 120 objects, and full time is used all the same."""
+    hardware = make_hardware({"triangles": 5e-5, "draw_calls": 5e-3})
+    trace = make_trace([(0.0, 0.0, 0.0), (1.0, 1.0, -4.0), (0.0, 0.0, -8.0)])
+    options = ReplayOptions(budget_ms=4.0, frames=60)
+    extracted: list[float] = []
+    for hysteresis in (0.0, 0.2):
+        policy = Gobbetti(hysteresis=hysteresis)
+        log = replay(policy, crowd(), trace, hardware, options, name="gobbetti")
+        assert (column(log, "model_gpu_ms") <= 4.0).all()
+        assert column(log, "model_gpu_ms").min() > 3.99
+        extracted.append(column(log, "levels_extracted")[1:].mean())
+    assert extracted[1] < 0.8 * extracted[0]
+
+
+def test_what_comes_ahead_of_drawing_has_its_share(
+    crowd: Callable[..., Scene], make_hardware: MakeHardware, make_trace: MakeTrace
+) -> None:
+    """Of 4 ms a fifth comes ahead, 3.2 are drawn; a CPU that takes 1.5 leaves 2.5 for drawing."""
+    trace = make_trace([(0.0, 0.0, 0.0), (5.0, 1.0, -20.0)])
+    options = ReplayOptions(budget_ms=4.0, frames=20)
+    for cpu_ms, drawn_ms in ((0.1, 3.2), (1.5, 2.5)):
+        hardware = make_hardware({"triangles": 5e-5, "draw_calls": 5e-3}, cpu_base_ms=cpu_ms)
+        log = replay(Gobbetti(ahead=0.2), crowd(), trace, hardware, options, name="gobbetti")
+        assert_allclose(column(log, "model_gpu_ms")[5:], drawn_ms, rtol=1e-6)
+
+
 def test_reset_forgets(crowd: Callable[..., Scene], make_view: MakeView) -> None:
     """A second run after reset, or from a pickle, equals the first, stopped early or not."""
     scene = crowd().with_costs(LINEAR)

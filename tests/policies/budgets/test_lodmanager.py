@@ -210,7 +210,7 @@ def test_the_active_list_takes_the_largest_differences(
 ) -> None:
     """With two places the two that are furthest off have their turn, the third after."""
     scene = ogres(4)
-    policy = manager(scene, slots=10, active=2)
+    policy = manager(scene, slots=10, active=2, refresh=1)
     policy.select(see(scene, distance_of([0.05, 0.15, 0.25, 0.95])))
     wanted = [0.55, 0.75, 0.65, 0.95]
     selection = policy.select(see(scene, distance_of(wanted)))
@@ -222,17 +222,58 @@ def test_the_active_list_takes_the_largest_differences(
 def test_objects_outside_the_frustum_count_less_and_only_borrow(
     ogres: Callable[[int], Scene], see: Callable[..., View]
 ) -> None:
-    """One place: a penalty of 0.9 leaves it to a far-off object outside, one of 0.1 does not."""
-    scene = ogres(3)
-    inside = [True, True, False]
+    """One place: a factor of 0.9 leaves it to a far-off object outside, one of 0.1 does not.
+
+    Who holds a level outside, as object 2, keeps no place from anybody.
+    """
+    scene = ogres(4)
     for outside, expected in ((0.9, 0.25), (0.1, 0.55)):
-        policy = manager(scene, slots=10, active=1, outside=outside)
-        policy.select(see(scene, distance_of([0.95, 0.25, 0.05])))  # all of them are new
-        selection = policy.select(see(scene, distance_of([0.95, 0.55, 0.95]), inside))
+        policy = manager(scene, slots=10, active=1, refresh=1, outside=outside)
+        policy.select(see(scene, distance_of([0.95, 0.25, 0.04, 0.06])))  # all of them are new
+        seen = [True, True, False, False]
+        selection = policy.select(see(scene, distance_of([0.95, 0.55, 0.95, 0.95]), seen))
         assert selection.detail[1] == pytest.approx(resolution_of(expected))
-        seen_again = policy.select(see(scene, distance_of([0.95, 0.25, 0.95]), [True, False, True]))
-        assert seen_again.holder is not None
-        assert seen_again.holder.tolist() == [0, 0]  # borrowed then, or now that it has the place
+
+
+def test_a_list_looks_at_a_slice_of_all_objects_a_frame(
+    ogres: Callable[[int], Scene], see: Callable[..., View]
+) -> None:
+    """With 120 objects at rest, a list of 5 and slices of an eighth: 15 to 20 looks a frame.
+
+    What then jumps is right after all slices have been looked at twice, at most 20 turns each.
+    """
+    scene = ogres(120)
+    rng = np.random.default_rng(2)
+    policy = manager(scene, slots=8, active=20, refresh=8)
+    view = see(scene, rng.uniform(0.0, 100.0, 120))
+    first = policy.select(view)
+    assert first.work.objects_visited == 120  # all of them are new
+    for _ in range(10):
+        selection = policy.select(view)
+        assert 15 <= selection.work.objects_visited <= 15 + 20
+    jumped = see(scene, rng.uniform(0.0, 100.0, 120))
+    for _ in range(16):
+        selection = policy.select(jumped)
+        assert selection.work.objects_visited <= 15 + 20
+    wanted = np.trunc(8.0 * np.minimum(1.0 - jumped.distance_m / 100.0, 1.0 - 1e-9))
+    shown = np.trunc(8.0 * np.minimum((selection.detail - 0.1) / 0.9, 1.0 - 1e-9))
+    assert (shown == wanted).all()
+
+
+def test_types_may_have_slots_of_their_own(
+    make_scene: Make, make_levels: Make, see: Callable[..., View]
+) -> None:
+    """Factors 0.6 and 0.9 are similar in two slots and not in ten."""
+    levels = make_levels((OGRE, OGRE), continuous=True)
+    scene = make_scene(np.zeros((4, 3)), levels=levels, kind=[0, 0, 1, 1], radius_m=1e-3)
+    name = scene.types.names[1]
+    view = see(scene, distance_of([0.6, 0.9, 0.6, 0.9]))
+    detail = manager(scene, slots=2, slots_of=f"{name}:10").select(view).detail
+    assert detail[0] == detail[1]
+    assert detail[2:] == pytest.approx(resolution_of([0.6, 0.9]))
+    for wrong in ("nobody:3", name, f"{name}:0", f"{name}:x", "3"):
+        with pytest.raises(InputError, match=r"lodmanager: slots_of: expected .*, got"):
+            manager(scene, slots_of=wrong)
 
 
 def test_discrete_types_have_their_chain_for_slots(
@@ -266,9 +307,9 @@ def test_slow_frames_lower_detail_and_faults_never_raise_it(
     scene = ogres(1)
     policy = manager(scene, gain=1.5, limit=4.0, target=1.0, slots=10_000)
     times_ms: list[float] = []
-    exponents = [1.5, 1.5**2, 1.5, 1.5, 1.5, 1.5, 1.5, 1.0, 1 / 1.5]
-    for report, exponent in zip((20, 30, 5, 5, np.nan, 0, -1, 4, 3), exponents, strict=True):
-        times_ms.append(report)  # the second 5 repeats the first to the last digit: stale
+    exponents = [1.5, 1.5**2, 1.5, 1.5, 1.5, 1.5, 1.0, 1 / 1.5]
+    for report, exponent in zip((20, 30, 5, np.nan, 0, -1, 4, 3), exponents, strict=True):
+        times_ms.append(report)
         selection = policy.select(see(scene, [50.0], work_ms=times_ms))
         assert selection.detail == pytest.approx(resolution_of(0.5**exponent), abs=1e-4)
 
@@ -298,7 +339,8 @@ def test_numbering_does_not_matter(ogres: Callable[[int], Scene], see: Callable[
     scene = ogres(40)
     rng = np.random.default_rng(4)
     new = rng.permutation(40)
-    one, other = manager(scene, slots=6, active=9), manager(scene, slots=6, active=9)
+    # All stand on one spot, so that slices by place would go by number.
+    one, other = (manager(scene, slots=6, active=9, refresh=1) for _ in range(2))
     for _ in range(10):
         distance_m = rng.uniform(0.0, 110.0, 40)
         first = one.select(see(scene, distance_m)).detail

@@ -1,12 +1,14 @@
 """``peng``: the published share by hand, both modes, the threshold, and whole replays."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lodbench.base.errors import InputError
+from lodbench.base.predictors import LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.levels import LevelTable
@@ -24,6 +26,7 @@ MakeView = Callable[..., View]
 MakeHardware = Callable[..., HardwareProfile]
 MakeTrace = Callable[..., CameraTrace]
 
+VERTICES = LEVEL_PREDICTORS.index("vertices")
 COSTS = CostModel.of(1.0, {"triangles": 1e-3})
 PLACES = [(0.0, 0.0, -10.0), (1.0, 0.0, -20.0), (1.0, 1.0, -40.0)]
 
@@ -48,6 +51,52 @@ def test_equation_1(
     share = view.area_px ** (1.0 / alpha)
     primitives = 1000.0 * share / share.sum()
     assert_allclose(selection.detail * (2620.0, 1642.0, 2620.0), primitives, rtol=1e-8)
+
+
+@pytest.mark.parametrize("mode", ["clipped", "water-filled"])
+def test_n_is_shared_in_vertices_and_mapped_to_triangles(
+    make_scene: MakeScene, make_levels: MakeLevels, make_view: MakeView, mode: str
+) -> None:
+    """Of 1,000 vertices at 2,620 triangles, 400 at 655 and 160 at 190; time is not asked."""
+    levels = make_levels([(2620.0, 655.0, 190.0)], continuous=True)
+    counts = levels.counts.copy()
+    counts[:, VERTICES] = 1000.0, 400.0, 160.0
+    levels = replace(levels, counts=counts)
+    scene = make_scene(PLACES, levels=levels).with_costs(COSTS)
+    view = make_view(scene)
+    share = np.cbrt(view.area_px)
+    policy = Peng(vertices=900, mode=mode)  # pyright: ignore[reportArgumentType] - parametrised by strings
+    policy.reset(scene, 1e-6)
+    vertices = 900.0 * share / share.sum()
+    assert vertices[0] > 400.0 > vertices[1] > vertices[2] > 160.0  # on either side of a knot
+    at, has = np.array([160.0, 400.0, 1000.0]), np.array([190.0, 655.0, 2620.0])
+    wanted: list[float] = vertices.tolist()
+    triangles = np.array([float(np.interp(count, at, has)) for count in wanted])
+    selection = policy.select(view)
+    assert_allclose(selection.detail * 2620.0, triangles, rtol=1e-8)
+    assert selection.predicted_ms == pytest.approx(1.0 + 1e-3 * triangles.sum(), rel=1e-8)
+    assert policy.claims.budget is False
+
+
+def test_n_modes_differ_where_a_character_has_less_than_its_share(
+    make_scene: MakeScene, make_levels: MakeLevels, make_view: MakeView
+) -> None:
+    """The near one is full; what it cannot use is lost, or shared by the others."""
+    levels = make_levels([(1000.0, 10.0)], continuous=True)
+    counts = levels.counts.copy()
+    counts[:, VERTICES] = 1000.0, 10.0
+    scene = make_scene(PLACES, levels=replace(levels, counts=counts)).with_costs(COSTS)
+    view = make_view(scene)
+    share = np.cbrt(view.area_px)
+    for mode, others in (
+        ("clipped", 2400.0 * share[1:] / share.sum()),
+        ("water-filled", 1400.0 * share[1:] / share[1:].sum()),
+    ):
+        policy = Peng(vertices=2400, mode=mode)  # pyright: ignore[reportArgumentType]
+        policy.reset(scene, 9.0)
+        detail = policy.select(view).detail
+        assert detail[0] == 1.0
+        assert_allclose(1000.0 * detail[1:], others, rtol=1e-8)
 
 
 def test_modes_differ_where_a_character_has_less_than_its_share(

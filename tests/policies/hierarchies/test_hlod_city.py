@@ -18,6 +18,8 @@ from lodbench.traces.cameras.camera_trace import CameraTrace
 
 WARMUP = 200  # frames in which the roots' share finds its level
 WALK_M_S = 1.4
+USED_MS = 22.0  # of what policies are told where they are compared
+SEEDS = (0, 1)  # of noise
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +28,8 @@ def run(
 ) -> Callable[..., FrameLog]:
     """Return a function that replays a policy along the street, once for the same arguments.
 
-    The disk and memory are a large fast machine's unless a bound is given.
+    The disk and memory are a large fast machine's unless a bound is given; times scatter by 3 %
+    where a seed is given.
     """
     logs: dict[Any, FrameLog] = {}
 
@@ -37,14 +40,20 @@ def run(
         speed_m_s: float = WALK_M_S,
         frames: int = 500,
         memory_bytes: float | None = None,
+        seed: int | None = None,
+        budget_ms: float = 30.0,
     ) -> FrameLog:
-        key = (policy, scene.name, speed_m_s, frames, memory_bytes)
+        key = (policy, scene.name, speed_m_s, frames, memory_bytes, seed, budget_ms)
         if key not in logs:
             machine = old_machine
             if memory_bytes is None:
                 machine = replace(old_machine, memory_bytes=2e9, disk_bytes_per_s=1e9)
+            if seed is not None:
+                machine = replace(machine, gpu_residual=Residual("gaussian", scale=0.03))
             trace = make_street_trace(speed_m_s, 25.0)
-            options = ReplayOptions(budget_ms=30.0, frames=frames, memory_bytes=memory_bytes)
+            options = ReplayOptions(
+                budget_ms=budget_ms, frames=frames, memory_bytes=memory_bytes, seed=seed or 0
+            )
             made = parse_policy(policy).make()
             logs[key] = replay(made, scene, trace, machine, options, name=policy)
         return logs[key]
@@ -65,27 +74,71 @@ def test_the_city_is_the_thesis_size(city: Scene) -> None:
     assert float(city.types.levels.bytes.sum()) > 4 * 2.5e8
 
 
-def test_fewer_toggles_than_a_fixed_threshold(city: Scene, run: Callable[..., FrameLog]) -> None:
-    """Looking about while walking, urgency switches less often than Maciel's counter."""
-    own, other = run("hlod-hysteresis", city), run("maciel", city)
-    assert _per_frame(own, "toggles") < _per_frame(other, "toggles")
+def _at_equal_use(
+    run: Callable[..., FrameLog], policy: str, scene: Scene, seed: int
+) -> dict[str, float]:
+    """Return what frames of a walk have on average where they take 22 ms, noise of 3 % included.
+
+    The budget that the policy is told is changed in proportion until they do, to 4 %; what comes
+    nearest counts.
+    """
+    columns = ("gpu_ms", "toggles", "reversals", "popping_px")
+    budget_ms, found = USED_MS, {"gpu_ms": 0.0}
+    for _ in range(4):
+        log = run(policy, scene, frames=350, seed=seed, budget_ms=budget_ms)
+        used_ms = _per_frame(log, "gpu_ms")
+        if abs(used_ms - USED_MS) < abs(found["gpu_ms"] - USED_MS):
+            found = {column: _per_frame(log, column) for column in columns}
+        if abs(used_ms / USED_MS - 1.0) <= 0.04:
+            break
+        budget_ms *= min(max(USED_MS / used_ms, 0.8), 1.25)
+    told = ", ".join(f"{column} {value:.4f}" for column, value in found.items())
+    print(f"{scene.name}, seed {seed}, {policy}: {told}")
+    return found
 
 
 @pytest.mark.slow
-def test_fewer_toggles_than_a_knapsack_on_its_own_hierarchy(
+def test_fewer_toggles_than_others_on_their_own_hierarchy(
     chains: Scene, run: Callable[..., FrameLog]
 ) -> None:
-    """On objects with a chain of levels each, Funkhouser's and Maciel's flicker far more.
+    """On objects with a chain of levels each, Funkhouser's and Maciel's flicker more, and undo it.
 
-    That is the hierarchy of 1993 (thesis, section 5.1), where all three choose among the same
-    fronts; the time that they use is about the same.
+    That is the hierarchy of 1993 (thesis, section 5.1), where all choose among the same fronts.
+    What they switch is smaller: in popping Funkhouser's is the calmer one here.
     """
-    own = run("hlod-hysteresis", chains, frames=350)
-    for name in ("funkhouser", "funkhouser:mode=greedy", "maciel"):
-        other = run(name, chains, frames=350)
-        assert 5.0 * _per_frame(own, "toggles") < _per_frame(other, "toggles")
-        assert 20.0 * _per_frame(own, "reversals") < _per_frame(other, "reversals")
-        assert _per_frame(own, "gpu_ms") == pytest.approx(_per_frame(other, "gpu_ms"), rel=0.15)
+    for seed in SEEDS:
+        own = _at_equal_use(run, "hlod-hysteresis", chains, seed)
+        for name in ("funkhouser", "maciel"):
+            other = _at_equal_use(run, name, chains, seed)
+            assert own["gpu_ms"] == pytest.approx(other["gpu_ms"], rel=0.08)
+            assert 2.0 * own["toggles"] < other["toggles"]
+            assert 5.0 * own["reversals"] < other["reversals"]
+
+
+@pytest.mark.slow
+def test_less_popping_than_where_whole_roots_switch(
+    city: Scene, run: Callable[..., FrameLog]
+) -> None:
+    """Funkhouser's few toggles in a city each change a whole wall: ten times the popping.
+
+    Against Maciel's counter the order of toggles goes with the seed, and nothing is said.
+    """
+    for seed in SEEDS:
+        own = _at_equal_use(run, "hlod-hysteresis", city, seed)
+        other = _at_equal_use(run, "funkhouser", city, seed)
+        assert 10.0 * own["popping_px"] < other["popping_px"]
+        assert own["gpu_ms"] > 0.8 * other["gpu_ms"]
+
+
+@pytest.mark.slow
+def test_shared_time_toggles_less_than_lost_time(city: Scene, run: Callable[..., FrameLog]) -> None:
+    """What a near wall cannot use steadies the others, at equal use of the budget."""
+    for seed in SEEDS:
+        shared = _at_equal_use(run, "hlod-hysteresis", city, seed)
+        lost = _at_equal_use(run, "hlod-hysteresis:unused=lost", city, seed)
+        assert shared["toggles"] < lost["toggles"]
+        assert shared["popping_px"] < lost["popping_px"]
+        assert shared["gpu_ms"] > 0.95 * lost["gpu_ms"]
 
 
 def test_ten_times_the_speed_toggles_more(chains: Scene, run: Callable[..., FrameLog]) -> None:

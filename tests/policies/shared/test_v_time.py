@@ -35,7 +35,7 @@ def test_the_factor_follows_measured_over_predicted(views: Callable[..., View]):
 
 
 def test_no_report_and_no_rate_change_nothing(views: Callable[..., View]):
-    """A missing, zero or repeated report is none; a rate of 0 learns nothing."""
+    """A missing, zero or negative report is none; a rate of 0 learns nothing."""
     loop, still = VTime(0.5), VTime(0.0)
     for times in ((), (np.nan,), (np.nan, 0.0), (np.nan, 0.0, -1.0)):
         assert loop.budget_ms(views(*times), 12.0) == 12.0

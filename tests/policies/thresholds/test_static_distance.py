@@ -91,19 +91,33 @@ def test_walking_to_and_fro_switches_less_with_hysteresis(
         assert switches == expected
 
 
-def test_default_distances_come_from_the_extent(
+def test_default_distances_come_from_sizes(
     make_scene: Callable[..., Scene], make_view: Callable[..., View]
 ) -> None:
-    """In a scene of 100 m, spheres included, levels go from 1 to 50 m."""
-    scene = make_scene([(0.0, 0.0, -1.0), (0.0, 0.0, -99.0), (0.0, 0.0, -17.0)])
-    policy = StaticDistance()
-    policy.reset(scene, 10.0)
-    detail = policy.select(make_view(scene)).detail
-    assert detail.tolist() == [0, 2, 0]
-    third_m = 1.0 + 49.0 / 3.0  # of three levels
-    for distance, level in ((third_m - 0.01, 0), (third_m + 0.01, 1)):
-        moved = make_scene([(0.0, 0.0, -1.0), (0.0, 0.0, -99.0), (0.0, 0.0, -distance)])
-        assert policy.select(make_view(moved)).detail[2] == level
+    """Levels of a sphere of 1 m go from 4 to 80 m, of one of 2 m from 8 to 160, alone or not."""
+    third_m = 4.0 + 76.0 / 3.0  # of three levels
+    for distance, radius_m, level in (
+        (3.0, 1.0, 0),
+        (third_m - 0.01, 1.0, 0),
+        (third_m + 0.01, 1.0, 1),
+        (81.0, 1.0, 2),
+        (2.0 * third_m - 0.01, 2.0, 0),
+        (2.0 * third_m + 0.01, 2.0, 1),
+    ):
+        alone = make_scene([(0.0, 0.0, -distance)], radius_m=radius_m)
+        policy = StaticDistance()
+        policy.reset(alone, 10.0)
+        assert policy.select(make_view(alone)).detail.tolist() == [level]
+
+
+def test_one_distance_gives_the_other(
+    make_scene: Callable[..., Scene], make_view: Callable[..., View]
+) -> None:
+    """Far is 20 times near: levels of near 1 m, and of far 20 m, change at 7.3 and 13.7 m."""
+    scene = make_scene([(0.0, 0.0, -7.3), (0.0, 0.0, -7.4), (0.0, 0.0, -13.6), (0.0, 0.0, -13.7)])
+    for policy in (StaticDistance(near_m=1.0), StaticDistance(far_m=20.0)):
+        policy.reset(scene, 10.0)
+        assert policy.select(make_view(scene)).detail.tolist() == [0, 1, 1, 2]
 
 
 @pytest.mark.parametrize(

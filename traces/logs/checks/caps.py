@@ -11,6 +11,7 @@ renderer that happens to run near a refresh look like those of a capped one:
 """
 
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -88,8 +89,8 @@ def explained(load: FloatArray, time_ms: FloatArray) -> float:
     total = float(centred @ centred)
     if total <= 0.0 or not away.size:
         return 0.0
-    fitted = away @ np.linalg.lstsq(away, centred, rcond=1e-9)[0]
-    rest = centred - fitted
+    solve: Any = np.linalg.lstsq
+    rest: FloatArray = centred - away @ solve(away, centred, rcond=1e-9)[0]
     degrees = max(len(time_ms) - 1 - away.shape[1], 1)
     return 1.0 - float(rest @ rest) / degrees / (total / (len(time_ms) - 1))
 

@@ -180,6 +180,6 @@ def role_of(name: str) -> tuple[str, int, Words] | None:
 def smell_of(name: str) -> str:
     """Return "time" or "count" where a name smells of one, else ''."""
     said = said_by(name)
-    if said & _SMELLS_OF_TIME or said in ({"gpu"}, {"cpu"}):
+    if said & _SMELLS_OF_TIME or set(said) in ({"gpu"}, {"cpu"}):
         return "time"
     return "count" if said & _SMELLS_OF_COUNT else ""

@@ -153,7 +153,7 @@ def _busy_unit(
             if interval_ms / _LITTLE <= median * MS_PER[unit] <= _ROOM * interval_ms
         ]
         alike = frame is not None and median * MS_PER[frame[1]] >= _ALIKE * interval_ms
-        if frame is not None and frame[1] in room and alike:
+        if frame is not None and alike and frame[1] in room:
             return frame[1], f"{_NAMES[frame[1]]}, as the frame times"
         if len(room) == 1:
             return room[0], f"{_NAMES[room[0]]}, since no other fits into a frame"

@@ -36,7 +36,7 @@ def read_afterburner(path: Path) -> RenderLog:
         [field.strip() for field in line.split(",")]
         for line in read_log_bytes(path).decode("utf-8").split("\n")
     ]
-    names = next((row[2:] for row in rows if row[0] == _NAMES), [])
+    names = next((row[2:] for row in rows if row[0] == _NAMES), list[str]())
     samples = [row for row in rows if row[0] == _SAMPLE and len(row) > 2]
     source = next((name for name in ("Frametime", "Framerate") if name in names), None)
     if source is None:

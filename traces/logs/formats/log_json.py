@@ -98,7 +98,8 @@ def _found_records(value: Any, depth: int) -> list[Record] | None:
     columns = {
         name: cast("list[Any]", column)
         for name, column in table.items()
-        if isinstance(column, list) and not any(isinstance(v, (dict, list)) for v in column)
+        if isinstance(column, list)
+        and not any(isinstance(cell, (dict, list)) for cell in cast("list[Any]", column))
     }
     lengths = [len(column) for column in columns.values()]
     if lengths and max(lengths) > 1:

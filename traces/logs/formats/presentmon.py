@@ -26,9 +26,10 @@ from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
 from ....base.files.text_file import read_encoded
 from ..log_format import LogFormat
-from ..log_table import LogTable, cut_to, repeated_headers, split_table
+from ..log_table import LogTable, repeated_headers, split_table
 from ..log_timings import log_from_timings
 from ..presentmon_clock import CPU_CLOCKS, PRESENT_CLOCKS, present_clock
+from ..table_cut import cut_to
 from ..timings import FrameTimings, complete_timings
 
 _COLUMNS = {

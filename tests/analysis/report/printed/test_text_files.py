@@ -178,7 +178,7 @@ def test_markdown_tells_changes(compared: Compared) -> None:
     """Against a baseline only what changed beyond noise is listed, and whether it is worse."""
     change = Change(ORDINARY, "work_ms_mean", "ms", "lower", 5.0, 6.0, 0.8, 1.2, beyond_noise=True)
     noise = replace(change, metric="lag_ms_mean", beyond_noise=False)
-    place = PolicyChange(ORDINARY, 1, 2, "bias=1", "bias=2", "triangles", 1.5)
+    place = PolicyChange(ORDINARY, 1, 2, "bias=1", "bias=2", "triangles", "gpu", 1.5)
     changes = Changes(True, ("miss 0.01, now 0.02",), (place,), (change, noise), ("gone",), ())
     text = html.unescape(comparison_markdown(compared.comparison, changes))
     assert "1 of 2 metrics changed beyond noise" in text
@@ -188,7 +188,7 @@ def test_markdown_tells_changes(compared: Compared) -> None:
     for sentence in (
         "not under the same conditions: miss 0.01, now 0.02",
         f"- {ORDINARY}: rank 1, now rank 2",
-        f"- {ORDINARY}: on the first path triangles changed most, by a factor of 1.5",
+        f"- {ORDINARY}: on the first path the cost of triangles changed most, by +1.5 ms of GPU",
         "- gone was scored in the first only",
     ):
         assert sentence in text

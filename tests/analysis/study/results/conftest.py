@@ -48,7 +48,16 @@ def build_scored(seed: int, **more: Any) -> Scored:
     values = {name: None if rng.random() < 0.2 else float(rng.normal()) for name in IDS}
     steps = (Step(seed, 1.5, 2.0, 3.0, 0.1, bool(seed % 2), 1.25),) * (seed % 3)
     worst = Moment("tour", 2.0, (0.0, 0.0, 1.7), 9.0, 5.0, "triangles", 3.0)
-    scored = Scored(None, values, steps, 30 + seed, float(rng.random()), worst, Footing(90.0, 0.1))
+    scored = Scored(
+        None,
+        values,
+        steps,
+        30 + seed,
+        float(rng.random()),
+        worst,
+        Footing(90.0, 0.1),
+        {"more": 4.0 + seed},
+    )
     return replace(scored, **more)
 
 
