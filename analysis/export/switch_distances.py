@@ -78,13 +78,9 @@ def switches_of(
 
 def about_distances(policy: StaticDistance | StaticScreen, fovy_deg: float) -> list[str]:
     """Return for what distances hold, where that is not everything."""
-    if isinstance(policy, StaticScreen):
-        return [
-            f"distances hold at {fovy_deg:g} degrees and scale 1: multiply them by an object's "
-            "scale"
-        ]
+    at = f"{fovy_deg:g} degrees and " if isinstance(policy, StaticScreen) else ""
     if grows_with_size(policy):
-        return ["distances hold at scale 1: multiply them by an object's scale"]
+        return [f"distances hold at {at}scale 1: multiply them by an object's scale"]
     return []
 
 
