@@ -27,7 +27,8 @@ def tried(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, s
     def run_line(*words: object) -> tuple[int, str, str]:
         capsys.readouterr()
         code = run([str(word) for word in words])
-        return code, *capsys.readouterr()
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
 
     return run_line
 

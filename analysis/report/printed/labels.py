@@ -53,7 +53,7 @@ def spread(wanted: FloatArray, apart: float) -> FloatArray:
 
     Source: Ayer et al., Annals of Mathematical Statistics 26 (1955), pool adjacent violators.
     """
-    steps = apart * np.arange(len(wanted))
+    steps = apart * np.arange(len(wanted), dtype=np.float64)
     pools: list[tuple[float, int]] = []
     for value in (wanted - steps).tolist():
         mean, count = value, 1
@@ -62,5 +62,6 @@ def spread(wanted: FloatArray, apart: float) -> FloatArray:
             mean = (before * many + mean * count) / (many + count)
             count += many
         pools.append((mean, count))
-    fitted = np.repeat([mean for mean, _ in pools], [count for _, count in pools])
+    means = np.array([mean for mean, _ in pools], dtype=np.float64)
+    fitted = np.repeat(means, [count for _, count in pools])
     return np.maximum(fitted, 0.0) + steps

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 import pytest
@@ -22,6 +22,18 @@ HOSTILE = (
     r"""<script>alert("x")</script> a|b & 5% _u_ **v** $x^2$ \end{tabular} {} ~ #1 @someone"""
     "\n| `c` | [l](http://e.org) www.e.org -- ?` ![i](j) &lt; <!-- \\\\ \\| = "
 )
+
+
+@pytest.fixture(scope="session")
+def ordinary_name() -> str:
+    """Return the name of the tuned policy."""
+    return ORDINARY
+
+
+@pytest.fixture(scope="session")
+def hostile_name() -> str:
+    """Return a name of every kind of markup, in two lines."""
+    return HOSTILE
 
 
 @pytest.fixture(scope="session")
@@ -51,9 +63,10 @@ def renamed(compared: Compared) -> Callable[[str], Compared]:
             if isinstance(value, str):
                 return value.replace(ORDINARY, name)
             if isinstance(value, dict):
-                return {walk(key): walk(item) for key, item in value.items()}
+                record = cast("dict[str, Any]", value)
+                return {walk(key): walk(item) for key, item in record.items()}
             if isinstance(value, list | tuple):
-                return [walk(item) for item in value]
+                return [walk(item) for item in cast("list[Any]", value)]
             return value
 
         record = walk(msgspec.to_builtins(compared.comparison))

@@ -21,8 +21,6 @@ from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.base.errors import InputError
 from lodbench.base.foreign_text import one_line
 
-from .conftest import HOSTILE
-
 pytest.importorskip("matplotlib")
 
 FIGURES = ("error-over-work", "switches-over-error", "work-along-the-path")
@@ -63,11 +61,11 @@ def test_widths_are_a_papers(folder: Path, figure: str, width: str, inches: floa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", FIGURES)
-def test_names_are_text(folder: Path, figure: str) -> None:
+def test_names_are_text(folder: Path, figure: str, hostile_name: str) -> None:
     """A name is a text of the SVG, formulas and markup in it included, and no element."""
     svg = ET.parse(folder / f"{figure}-column.svg").getroot()
     texts = ["".join(text.itertext()) for text in svg.iter(f"{SVG}text")]
-    assert any(one_line(HOSTILE, 24) in text for text in texts)
+    assert any(one_line(hostile_name, 24) in text for text in texts)
     assert not list(svg.iter(f"{SVG}script"))
 
 
@@ -81,7 +79,7 @@ def test_the_same_comparison_makes_the_same_bytes(
         assert b"CreationDate" not in path.read_bytes()
 
 
-def test_a_figure_of_any_name(hostile: Compared, tmp_path: Path) -> None:
+def test_a_figure_of_any_name(hostile: Compared, tmp_path: Path, hostile_name: str) -> None:
     """One figure, drawn twice: a name is a text in it, and the bytes are the same."""
     sheet = Sheet(hostile.comparison, hostile.logs, inks(hostile.comparison), 3.3)
     for at in (0, 1):
@@ -90,7 +88,7 @@ def test_a_figure_of_any_name(hostile: Compared, tmp_path: Path) -> None:
     first, second = ((tmp_path / f"{at}.svg").read_bytes() for at in (0, 1))
     assert first == second
     texts = ["".join(text.itertext()) for text in ET.fromstring(first).iter(f"{SVG}text")]
-    assert one_line(HOSTILE, 24) in texts
+    assert one_line(hostile_name, 24) in texts
 
 
 def test_curve_point_and_budget_are_drawn(compared: Compared) -> None:
@@ -129,6 +127,10 @@ def test_spread_keeps_apart(wanted: list[float], apart: float) -> None:
 
 def test_missing_matplotlib_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the extra, a line says how to install it."""
-    monkeypatch.setattr(drawing, "find_spec", lambda _: None)
+
+    def nothing(_name: str) -> None:
+        """Find no module."""
+
+    monkeypatch.setattr(drawing, "find_spec", nothing)
     with pytest.raises(InputError, match=r"--figures: expected matplotlib.*\[fit-plots\]"):
         require_matplotlib("--figures")
