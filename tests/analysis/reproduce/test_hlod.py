@@ -8,6 +8,7 @@ from lodbench.analysis.reproduce.hlod.setting import settled_window, spread
 from lodbench.analysis.reproduce.registry import find_experiments
 from lodbench.analysis.reproduce.reproduce import reproduce
 from lodbench.analysis.reproduce.reproduction import Entry, Reproduction
+from lodbench.models.scene.scene_catalog import load_scene
 
 IDS = [f"hlod/{name}" for name in ("fly", "walk", "estimate", "frame-time", "memory", "toggles")]
 
@@ -43,7 +44,8 @@ def test_experiments_have_their_ids() -> None:
 
 @pytest.fixture(scope="module")
 def reduced() -> Reproduction:
-    """Return the experiments at reduced size."""
+    """Return the experiments at reduced size; the city is made before any time is limited."""
+    load_scene("city")
     return reproduce(EXPERIMENTS, reduced=True, workers=1)
 
 
