@@ -58,11 +58,18 @@ def test_files_of_a_comparison(
 
 
 @pytest.mark.slow
-def test_markdown_of_a_comparison(folder: Path, tried: Callable[..., tuple[int, str, str]]) -> None:
-    """Compare prints what report does; with a baseline, that nothing changed from itself."""
+def test_markdown_of_a_comparison(
+    folder: Path, tmp_path: Path, tried: Callable[..., tuple[int, str, str]]
+) -> None:
+    """Compare prints and writes what report does; with a baseline, that nothing changed."""
     code, summary, _ = tried("report", folder, "--markdown")
     assert (code, summary.splitlines()[0]) == (0, "### Which policy keeps 16.67 ms?")
-    assert tried(*COMPARE, *POLICIES, "--markdown")[1] == summary
+    assert tried(*COMPARE, *POLICIES, "--markdown", "--csv", tmp_path / "now")[1] == summary
+    assert tried("report", folder, "--csv", tmp_path / "later")[0] == 0
+    names = sorted(path.name for path in (tmp_path / "now").iterdir())
+    assert names == sorted(path.name for path in (tmp_path / "later").iterdir())
+    for name in names:
+        assert (tmp_path / "now" / name).read_bytes() == (tmp_path / "later" / name).read_bytes()
     code, changed, _ = tried("report", folder, "--markdown", "--baseline", folder)
     assert code == 0
     assert "None of 12 metrics changed beyond noise" in changed

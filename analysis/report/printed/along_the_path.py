@@ -30,6 +30,7 @@ def draw_along_the_path(sheet: Sheet) -> Any:
         run = MeasuredFrames(sheet.logs[policy.label])
         time_s, work_ms = envelope(run.time_s, run.work_ms, _BUCKETS)
         clear_spines(axes)
+        axes.set_axisbelow(True)
         axes.plot(time_s, work_ms, color=_LINE, lw=0.6)
         axes.fill_between(
             time_s, budget_ms, work_ms, where=work_ms > budget_ms, color=_OVER, lw=0.0,

@@ -22,7 +22,9 @@ from ..values import format_value
 
 _LONGEST_NAME, _LONGEST_SENTENCE = 60, 1000
 
-_ACTIVE = re.compile(r"[^\w\s.,:;=+/()'?%^·–…’“”-]|_|(?<=/)/|(?<=www)\.|(?<=^)[-+=](?= )")
+_ACTIVE = re.compile(
+    r"[^\w\s.,:;=+/()'?%^·–…’“”-]|_|(?<=/)/|(?<=www)\.|(?<=^)[-+=](?= )|(?<=^\d)[.)](?= )"
+)
 """What begins anything in GitHub's Markdown, in a line or a cell of a table."""
 
 
