@@ -16,6 +16,7 @@ from .engine_settings import Asked, Engine, EngineSettings, TypeSettings
 from .switch_distances import counted_types, height_thresholds
 
 _HEIGHT = "LOD.screenRelativeTransitionHeight"
+_LEAST_BIAS = 0.1  # of QualitySettings.lodBias
 
 
 def _set_unity(asked: Asked) -> EngineSettings:
@@ -24,6 +25,12 @@ def _set_unity(asked: Asked) -> EngineSettings:
         raise InputError(
             f"unity: expected first of at most 1, the height of the screen, got {policy.first:g}; "
             f"divide first, hysteresis and bias by {policy.first:g}: it is the same policy"
+        )
+    if policy.bias < _LEAST_BIAS:
+        raise InputError(
+            f"unity: expected bias of at least {_LEAST_BIAS:g}, the least lodBias, got "
+            f"{policy.bias:g}; multiply bias, first and hysteresis by "
+            f"{_LEAST_BIAS / policy.bias:g}: it is the same policy"
         )
     scene = asked.flat_scene()
     types = tuple(

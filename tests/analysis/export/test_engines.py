@@ -148,6 +148,7 @@ def test_unity_and_unreal_draw_the_same(distance_m: float, ball: Scene, make_vie
         ("threejs", "pixel-error", "expected a policy that it has settings for, static-distance"),
         ("unity", "static-screen", "expected a scene"),
         ("unity", "static-screen:first=2", "divide first, hysteresis and bias by 2"),
+        ("unity", "static-screen:bias=0.05", "multiply bias, first and hysteresis by 2:"),
         ("cesium", "static-distance", "no counterpart"),
     ],
 )
