@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
-from .shared import options
+from .shared import options, printed_files
 from .shared.command_line import command_of
 from .shared.progress import progress_bar
 from .shared.terminal import (
@@ -63,6 +63,11 @@ Memory = Annotated[float | None, Option(metavar="BYTES", help="Bound of the load
 _NO_MATTER = (
     "folders",
     "out",
+    "figures",
+    "csv",
+    "latex",
+    "markdown",
+    "baseline",
     "as_json",
     "wide",
     "workers",
@@ -92,6 +97,11 @@ def compare(
     seed: options.Seed = 0,
     seeds: Seeds = None,
     out: Out = None,
+    figures: printed_files.Figures = None,
+    csv: printed_files.Csv = None,
+    latex: printed_files.Latex = None,
+    markdown: printed_files.Markdown = False,
+    baseline: printed_files.Baseline = None,
     as_json: options.AsJson = False,
     wide: Wide = False,
     workers: options.Workers = 0,
@@ -133,9 +143,12 @@ def compare(
     from ..sim.replay import ReplayOptions
 
     told = command_of(compare, locals(), _NO_MATTER)
+    printed = printed_files.PrintedFiles(figures, csv, latex, markdown, baseline, as_json)
     if folders:
-        _print_changes(folders, as_json=as_json)
+        _print_changes(folders, printed, as_json=as_json)
         return
+    printed.check(out)
+    before = printed.read_baseline()
     limits = make_limits(policy_timeout, policy_memory)
     with claimed_target(out) as target:
         prepare_engine(scheduler)
@@ -182,17 +195,22 @@ def compare(
         unwritten = target and failure_of(lambda: target.write(compared))
         if as_json:
             print_record(compared.comparison)
+        elif markdown:
+            print(printed.summary(compared, before), end="")
         else:
             print_comparison(compared.comparison, table_console(160 if wide else 100), wide=wide)
         if unwritten:  # while the folder is held, whose runs are then kept
             raise unwritten
-    if out is not None and not as_json:
+    printed.write(compared)
+    if out is not None and not (as_json or markdown):
         print(f"report: {out / 'report.html'}")
     if compared.comparison.failed:
         raise Exit(1)
 
 
-def _print_changes(folders: list[Path], *, as_json: bool) -> None:
+def _print_changes(
+    folders: list[Path], printed: printed_files.PrintedFiles, *, as_json: bool
+) -> None:
     """Print what changed from one folder to another."""
     from ..analysis.report.changes_table import print_changes
     from ..analysis.study.comparison_folder import read_results
@@ -200,9 +218,16 @@ def _print_changes(folders: list[Path], *, as_json: bool) -> None:
 
     if len(folders) != 2:
         raise InputError(f"compare: expected two folders or none, got {len(folders)}; name two")
+    if printed.baseline is not None:
+        raise InputError("--baseline: expected none beside two folders: the first is that")
+    for folder in folders:
+        printed.check(folder)
     before, after = map(read_results, folders)
     changes = find_changes(before, after)
+    printed.write(after)
     if as_json:
         print_record(changes)
+    elif printed.markdown:
+        print(printed.summary(after, before), end="")
     else:
         print_changes(changes, table_console(100))

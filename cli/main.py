@@ -25,9 +25,9 @@ COMMANDS = {
     "tune": "Search parameters of a policy for a finer picture within the budget.",
     "suite": "Rank policies by a fixed study of scenes, paths, machines and budgets.",
     "check": "Judge policies by limits on their metrics: 0 passed, 1 failed, 2 bad input.",
-    "report": "Write DIR/report.html again from comparison.json and the frame logs beside it.",
-    "export": "Write a run as PresentMon CSV, CapFrameX JSON or Chrome trace events (for "
-    "Perfetto).",
+    "report": "Write DIR/report.html again, or figures, tables and a summary of the comparison.",
+    "export": "Write a run for viewers (PresentMon, CapFrameX, Perfetto), or a policy for an "
+    "engine.",
     "fit": "Fit a cost model to measured render logs: a hardware profile.",
     "log": "Look at captures of frame times, and compare them.",
     "record": "Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and "
@@ -36,7 +36,8 @@ COMMANDS = {
     "badly.",
     "validate": "Compare simulated with measured: errors of frame times, metrics, and order of "
     "policies.",
-    "reproduce": "Carry out the experiments of papers, and print each beside what it reported.",
+    "reproduce": "Carry out the experiments of papers, and print each beside what the paper "
+    "reported.",
     "list": "List policies, scenes, traces, hardware, metrics or formats of files.",
     "scene": "Build scenes from meshes, and look at them.",
     "trace": "Look at camera traces, convert them, and generate them.",

@@ -96,6 +96,7 @@ RUNNING = [
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]
 LONG = {
     "ci.md",
+    "figures.md",
     "fitting.md",
     "hardware.md",
     "lod-models.md",

@@ -14,7 +14,7 @@ def print_changes(changes: Changes, console: "Console") -> None:
     """Print what changed beyond noise, and what else is different about the policies."""
     from rich.text import Text
 
-    shown = [change for change in changes.metrics if change.beyond_noise]
+    shown = shown_changes(changes)
     console.print(summarise(changes), markup=False)
     for difference in changes.conditions:
         console.print(
@@ -29,18 +29,38 @@ def print_changes(changes: Changes, console: "Console") -> None:
         for head in ("before", "after", "change"):
             table.add_column(head, justify="right", no_wrap=True)
         for change in shown:
-            style = "bold red" if _is_worse(change) else "bold green"
-            span = f"{change.after - change.before:+.3g} ({change.low:+.3g}, {change.high:+.3g})"
-            values = (format_value(change.before), format_value(change.after), span)
+            style = "bold red" if is_worse(change) else "bold green"
+            values = (format_value(change.before), format_value(change.after), change_span(change))
             table.add_row(Text(change.policy), f"{change.metric}", *values, style=style)
         console.print("", table)
-    for policy in changes.policies:
-        for sentence in _sentences(policy, shown):
-            console.print(sentence, markup=False)
-    for label in changes.only_before:
-        console.print(f"{label} was scored in the first only", markup=False)
-    for label in changes.only_after:
-        console.print(f"{label} was scored in the second only", markup=False)
+    for sentence in change_sentences(changes):
+        console.print(sentence, markup=False)
+
+
+def shown_changes(changes: Changes) -> list[Change]:
+    """Return the changes beyond noise."""
+    return [change for change in changes.metrics if change.beyond_noise]
+
+
+def change_span(change: Change) -> str:
+    """Return by how much a metric changed, with its interval."""
+    return f"{change.after - change.before:+.3g} ({change.low:+.3g}, {change.high:+.3g})"
+
+
+def is_worse(change: Change) -> bool:
+    """Whether a metric changed for the worse."""
+    rises = change.after > change.before
+    return rises if change.better == "lower" else not rises
+
+
+def change_sentences(changes: Changes) -> list[str]:
+    """Return what else is different about policies, a sentence each."""
+    shown = shown_changes(changes)
+    return [
+        *(sentence for policy in changes.policies for sentence in _sentences(policy, shown)),
+        *(f"{label} was scored in the first only" for label in changes.only_before),
+        *(f"{label} was scored in the second only" for label in changes.only_after),
+    ]
 
 
 def summarise(changes: Changes) -> str:
@@ -50,11 +70,6 @@ def summarise(changes: Changes) -> str:
     how = "path by path" if changes.paired else "as two samples: their paths differ"
     what = f"{shown} of {count} metrics" if shown else f"None of {count} metrics"
     return f"{what} changed beyond noise, compared {how} (Holm, 5 % over all)."
-
-
-def _is_worse(change: Change) -> bool:
-    rises = change.after > change.before
-    return rises if change.better == "lower" else not rises
 
 
 def _sentences(policy: PolicyChange, shown: list[Change]) -> list[str]:

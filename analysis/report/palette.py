@@ -6,7 +6,7 @@ from ..study.comparison import Comparison
 
 # Okabe and Ito, "Color universal design", 2008: told apart with any colour vision; without its
 # black and yellow, which vanish on a dark and on a light page.
-_COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _DASHES = ("solid", "dash", "dot", "dashdot")
 _SYMBOLS = ("circle", "square", "diamond", "triangle-up")
 _ORACLE = "#888888"
@@ -43,11 +43,11 @@ def inks(comparison: Comparison) -> dict[str, Ink]:
             chosen[policy.label] = replace(chosen[policy.same_as], index=index)
             continue
         if policy.oracle:
-            turn, hue, color = 1 + oracles % (len(_DASHES) - 1), len(_COLORS), _ORACLE
+            turn, hue, color = 1 + oracles % (len(_DASHES) - 1), len(COLORS), _ORACLE
             oracles += 1
         else:
-            turn, hue = ordinary // len(_COLORS) % len(_DASHES), ordinary % len(_COLORS)
-            color = _COLORS[hue]
+            turn, hue = ordinary // len(COLORS) % len(_DASHES), ordinary % len(COLORS)
+            color = COLORS[hue]
             ordinary += 1
         chosen[policy.label] = Ink(color, _DASHES[turn], _SYMBOLS[turn], hue, index)
     return chosen

@@ -1,0 +1,1 @@
+"""A policy's thresholds as settings of engines."""

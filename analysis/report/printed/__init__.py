@@ -1,0 +1,1 @@
+"""A comparison for papers and pull requests: figures, tables and a summary, as files."""
