@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Iterator
 
+from ...export.engines import ENGINES
 from ...study.comparison import Comparison
 from ...study.comparison_parts import PolicyResult, knob_text
 from ..blocks import Block, Command, Paragraph, Tile, Tiles
@@ -21,6 +22,7 @@ def the_answer(results: Results) -> tuple[Block, ...]:
     if leader is not None:
         line = f"--policy {shlex.quote(policy_spec(leader))}"
         said.append(Command("The policy and its knob, as the command line takes them", line))
+        said += _engine_settings(leader)
     if comparison.ok:
         said.append(Tiles(list(_tiles(results, leader))))
     if comparison.conditions.hardware_assumed:
@@ -41,6 +43,14 @@ def policy_spec(policy: PolicyResult) -> str:
     if not knob or knob in policy.label:
         return policy.label
     return f"{policy.label}{',' if '=' in policy.label else ':'}{knob}"
+
+
+def _engine_settings(leader: PolicyResult) -> Iterator[Command]:
+    """Return what gives the policy as settings of each engine that has one of its kind."""
+    for name, engine in ENGINES.items():
+        if leader.name in engine.policies:
+            line = f"lodbench export . --engine {name} --policy {shlex.quote(leader.label)}"
+            yield Command(f"As settings of {name}, in the folder of this page", line)
 
 
 def _tiles(results: Results, leader: PolicyResult | None) -> Iterator[Tile]:

@@ -6,14 +6,11 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import msgspec
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from lodbench.analysis.metrics.measured_frames import MeasuredFrames
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.report import page, sections
+from lodbench.analysis.report import sections
 from lodbench.analysis.report.blocks import (
     Across,
     Cell,
@@ -32,7 +29,6 @@ from lodbench.analysis.report.render import SECTIONS, render_report
 from lodbench.analysis.report.results import Results
 from lodbench.analysis.report.sections import cost_breakdown
 from lodbench.analysis.report.sections.the_answer import policy_spec
-from lodbench.analysis.report.series import envelope, stairs, tail, thinned
 from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.comparison_folder import Compared
 from lodbench.models.machine.hardware import HardwareProfile
@@ -164,6 +160,10 @@ def test_the_line_to_paste_is_the_policy_as_it_was_set(results: Compared) -> Non
     assert leader.knob is not None
     spec = parse_policy(policy_spec(leader))
     assert spec.params[leader.knob.name] == pytest.approx(leader.knob.value)
+    assert leader.name == "static-screen"
+    for engine in ("unity", "unreal"):
+        assert f"lodbench export . --engine {engine} --policy static-screen<" in page_of(results)
+    assert "--engine cesium" not in page_of(results)
     typed = replace(leader, label=f"x:{leader.knob.name}={leader.knob.value:g}")
     assert policy_spec(typed) == typed.label
     assert policy_spec(replace(leader, label="x:a=1")).startswith("x:a=1,")
@@ -256,32 +256,6 @@ def test_the_page_needs_no_library_and_is_small(results: Compared) -> None:
     assert len(html.encode()) < 400_000
 
 
-def test_colours_can_be_read_on_their_ground() -> None:
-    """Words have a contrast of 4.5, lines of 3, in light, dark and print (WCAG 2.2)."""
-    css = (Path(page.__file__).parent / "templates" / "page.css").read_text()
-    for theme in re.findall(r":root {(.*?)}", css, re.DOTALL):
-        colors = dict(re.findall(r"--([\w]+): (#\w{6})", theme))
-        for name, color in colors.items():
-            for ground in ("page", "soft"):
-                if name in {"ink", "dim", "bad", "link"}:
-                    assert contrast(color, colors[ground]) >= 4.5, (name, ground)
-            if re.fullmatch(r"c\d|heat|warn", name):
-                assert contrast(color, colors["page"]) >= 3.0, name
-
-
-def contrast(one: str, other: str) -> float:
-    """Return the contrast ratio of two colours, by WCAG 2.2."""
-    lights = sorted(luminance(color) + 0.05 for color in (one, other))
-    return lights[1] / lights[0]
-
-
-def luminance(color: str) -> float:
-    """Return the relative luminance of a colour such as #0072b2, by WCAG 2.2."""
-    parts = (int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
-
-
 def test_every_section_is_on_the_page_once() -> None:
     """Each file of ``sections/`` is registered, under its own name."""
     files = {path.stem for path in Path(sections.__file__).parent.glob("*.py")} - {"__init__"}
@@ -328,58 +302,6 @@ def test_inks_are_distinct(results: Compared) -> None:
     """No two policies look alike, in charts or as markers."""
     chosen = inks(results.comparison)
     assert len(set(chosen.values())) == len(chosen) == 5
-
-
-def test_envelope_keeps_extremes_and_ends_of_short_lines() -> None:
-    """A short line is untouched; of a long one every bucket keeps its lowest and highest."""
-    x = np.arange(1000.0)
-    y = np.sin(x)
-    y[517] = 40.0
-    assert [part.tolist() for part in envelope(x[:20], y[:20], 10)] == [
-        x[:20].tolist(),
-        y[:20].tolist(),
-    ]
-    few_x, few_y = envelope(x, y, 50)
-    assert len(few_x) <= 100
-    assert 40.0 in few_y
-    assert (np.diff(few_x) > 0).all()
-
-
-@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=300), st.integers(1, 20))
-def test_envelope_keeps_the_range(values: list[float], buckets: int) -> None:
-    """Whatever is left out, the lowest and the highest value stay."""
-    y = np.array(values)
-    _, few = envelope(np.arange(len(y), dtype=np.float64), y, buckets)
-    assert (few.min(), few.max()) == (y.min(), y.max())
-    assert len(few) <= max(2 * buckets, len(y) if len(y) <= 2 * buckets else 0)
-
-
-def test_tail_by_hand() -> None:
-    """All time is in frames of the shortest at least, and half in the longest, which lasts so long.
-
-    A frame that is never shown has no interval, and one that weighs nothing no time.
-    """
-    values = np.array([3.0, 1.0, np.nan, 2.0, 9.0, 7.0])
-    x, share = tail(values, np.array([1.0, 1.0, 5.0, 1.0, 3.0, 0.0]), 100)
-    assert x.tolist() == [1.0, 2.0, 3.0, 9.0]
-    assert share == pytest.approx([1.0, 5 / 6, 4 / 6, 0.5])
-
-
-def test_tail_is_thinned_in_its_body_only() -> None:
-    """Of 10,000 frames the slowest twentieth is drawn in full."""
-    x, share = tail(np.arange(10_000.0), np.ones(10_000), 100)
-    assert len(x) <= 601
-    assert x[-500:].tolist() == np.arange(9_500.0, 10_000.0).tolist()
-    assert share[-1] == pytest.approx(1e-4)
-
-
-def test_stairs_and_thinning_by_hand() -> None:
-    """A step falls at its value and goes on to the next; few values stay, of many both ends."""
-    x, y = stairs(np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 0.25]))
-    assert x.tolist() == [1.0, 1.0, 2.0, 2.0, 4.0]
-    assert y.tolist() == [1.0, 0.5, 0.5, 0.25, 0.25]
-    assert thinned(np.arange(3.0), 5).tolist() == [0.0, 1.0, 2.0]
-    assert thinned(np.arange(100.0), 3).tolist() == [0.0, 49.0, 99.0]
 
 
 def test_costs_add_up_to_the_time_of_a_frame(results: Compared) -> None:
