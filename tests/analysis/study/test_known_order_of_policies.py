@@ -25,10 +25,16 @@ def toured() -> Comparison:
     ).comparison
 
 
-def test_feedback_is_steadier_than_static_than_none(toured: Comparison) -> None:
-    """Where the way leads into dense areas, frame times vary least under feedback."""
+def test_managed_frames_are_steadier_than_none(toured: Comparison) -> None:
+    """Where the way leads into dense areas, frame times vary most where nothing is managed.
+
+    Feedback uses more of the budget than distances as shipped, so their spreads say nothing of each
+    other.
+    """
     spread = {policy.label: policy.value_of("frame_ms_sd") or 0.0 for policy in toured.ok}
-    assert 0.0 < spread["feedback"] < spread["static-distance"] < spread["full"]
+    work = {policy.label: policy.value_of("work_ms_mean") or 0.0 for policy in toured.ok}
+    assert 0.0 < max(spread["feedback"], spread["static-distance"]) < spread["full"] / 2.0
+    assert work["static-distance"] < work["feedback"]
 
 
 def test_feedback_overshoots_a_sudden_step_and_settles(toured: Comparison) -> None:

@@ -47,5 +47,5 @@ def test_what_hangs_is_stopped_with_all_that_it_started(tmp_path: Path) -> None:
     state = subprocess.run(
         ["ps", "-o", "stat=", "-p", str(grandchild)], capture_output=True, text=True
     ).stdout.strip()
-    assert state in {"", "Z"}
+    assert state[:1] in {"", "Z"}  # its priority may stand behind
     assert grandchild != os.getpid()
