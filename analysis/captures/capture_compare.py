@@ -137,17 +137,17 @@ def _difference(
     values: list[float | None], draws: list[FloatArray], wider: float
 ) -> dict[str, Any]:
     first, second = values
-    known = first is not None and second is not None
+    difference = None if first is None or second is None else _rounded(second - first)
     spread = draws[1] - draws[0]
     spread = spread[np.isfinite(spread)]
     interval: list[float] | None = None
-    if known and len(spread) > DRAWS // 2:
+    if difference is not None and len(spread) > DRAWS // 2:
         tail = 0.5 * (1.0 - _LEVEL)
         low, middle, high = np.quantile(spread, (tail, 0.5, 1.0 - tail)).tolist()
         interval = [_rounded(middle + wider * (bound - middle)) for bound in (low, high)]
     return {
         "values": [None if value is None else _rounded(value) for value in values],
-        "difference": _rounded(second - first) if known else None,
+        "difference": difference,
         "interval": interval,
         "differs": interval is not None and not interval[0] <= 0.0 <= interval[1],
     }

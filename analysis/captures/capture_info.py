@@ -88,7 +88,7 @@ def _column(log: RenderLog, name: str) -> dict[str, Any]:
 
 def _metrics(intervals: dict[str, FloatArray]) -> dict[str, Any]:
     scores = {name: score(values) for name, values in intervals.items()}
-    ids = next(iter(scores.values()), {})
+    ids = next(iter(scores.values())) if scores else ()
     return {
         metric: {
             "unit": "fps" if metric == AVERAGE_FPS else find_metric(metric).unit,

@@ -30,15 +30,15 @@ def _findings(record: dict[str, Any]) -> Section:
 
 
 def _times(intervals: dict[str, FloatArray]) -> Section:
-    from plotly.graph_objects import Figure, Scattergl
+    from plotly.graph_objects import Figure
 
     along, slow = Figure(), Figure()
     for name, values in intervals.items():
         x, y = envelope(np.cumsum(values) / 1e3, values, _BUCKETS)
-        along.add_trace(Scattergl(x=x.tolist(), y=y.tolist(), name=_SERIES[name], mode="lines"))
+        along.add_scattergl(x=x.tolist(), y=y.tolist(), name=_SERIES[name], mode="lines")
         x, share = tail(values, values, _POINTS)
-        slow.add_trace(
-            Scattergl(x=x.tolist(), y=(100.0 * share).tolist(), name=_SERIES[name], mode="lines")
+        slow.add_scattergl(
+            x=x.tolist(), y=(100.0 * share).tolist(), name=_SERIES[name], mode="lines"
         )
     along.update_layout(xaxis_title="s", yaxis_title="ms", height=340)
     slow.update_layout(xaxis_title="ms", yaxis_title="time in frames at least this slow, %")

@@ -242,7 +242,7 @@ class _Search:
         here = self._knob.where(edge)
         shares = np.linspace(here, 0.0 if way < 0 else 1.0, _POINTS)
         known = [self._knob.where(value) for value in self._known]
-        ln_ms = np.log(self._work_ms(self._known, self._rotation.scanned)).mean(axis=1)
+        ln_ms: FloatArray = np.log(self._work_ms(self._known, self._rotation.scanned)).mean(axis=1)
         rise: FloatArray = np.interp(shares, known, ln_ms) - np.interp(here, known, ln_ms)
         ln_ratio = np.log(self._work_ms([edge], self._rotation.training) / self._budget_ms)
         beyond = [

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import FloatArray, IntArray
 from .column_counts import count_true
 from .falling_cut import FallingCut
 from .falling_prefix import falling_prefix
@@ -66,7 +66,8 @@ class IncrementChains(IncrementForest):
         open_to = self._ratio.take(at) > 0.0
         open_to &= ~self.taken.ravel().take(at)
         at = at[open_to]
-        row = at // self._width  # by one divisor, which numpy has a fast way for, unlike `divmod`
+        # By one divisor, which numpy has a fast way for, unlike `divmod`.
+        row: IntArray = at // self._width
         place = at - row * self._width
         # Those of a row stand together: as many as stand before one are to be between it and the
         # last one taken.
@@ -74,7 +75,7 @@ class IncrementChains(IncrementForest):
         begins = np.zeros(len(at), dtype=np.intp)
         begins[1:] = index[1:] * (row[1:] != row[:-1])
         before = index - np.maximum.accumulate(begins)
-        done: BoolArray = self.taken.take(row, axis=0)
+        done = self.taken.take(row, axis=0)
         before += count_true(np.ascontiguousarray(done.T))
         self._rest = at[place == before]
         self._key, self._cost = self._ratio.take(self._rest), self._all_cost.take(self._rest)

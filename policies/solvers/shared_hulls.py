@@ -112,7 +112,8 @@ class SharedHulls:
 
     def _of(self, column: IntArray, kind: IntArray) -> HullChoice:
         # By their places in flat arrays: twice as fast as by two indices.
-        cost = self._cost.take(kind * self._cost.shape[1] + column)
+        at: IntArray = kind * self._cost.shape[1] + column
+        cost = self._cost.take(at)
         return HullChoice(column, float(cost.sum()))
 
     def _afford(self, kind: IntArray, budget: float) -> tuple["_Hulls", float]:

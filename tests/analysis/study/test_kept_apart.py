@@ -11,6 +11,7 @@ from lodbench.analysis.study.comparison_parts import knob_text
 from lodbench.analysis.study.paths import load_paths
 from lodbench.models.layouts.scene_builder import PlacementOptions, build_scene
 from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.meshes.authored_levels import group_levels
 from lodbench.models.meshes.mesh_error import Sampling
 from lodbench.models.meshes.mesh_types import MeshUnits, read_types
 from lodbench.models.meshes.simplify import ChainOptions
@@ -33,7 +34,7 @@ def make_scene(name: str, folder: Path) -> Scene:
     if name != "meshes":
         return load_scene(name)
     files = [folder / "meshes" / mesh for mesh in MESHES]
-    models = list(read_types(files, MeshUnits(), ChainOptions(), Sampling()))
+    models = list(read_types(group_levels(files), MeshUnits(), ChainOptions(), Sampling()))
     return build_scene(name, models, PlacementOptions(count=900), np.random.default_rng(0))[0]
 
 

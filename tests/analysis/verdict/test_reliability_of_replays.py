@@ -125,7 +125,7 @@ def studies(kind: str, count: int, number: int, policies: Sequence[str]) -> np.n
     pool = replay_pool(kind, count, policies)
     rows: list[tuple[float, float, float, float]] = []
     for study in range(number):
-        order = rng.permutation(count).tolist()
+        order: list[int] = rng.permutation(count).tolist()
         chosen, fresh = order[:N], order[N:]
         # What replays took is held to other budgets, so that no few knobs decide a bin.
         budget_ms = BUDGETS_MS[kind] * float(np.exp(rng.uniform(-0.15, 0.15)))

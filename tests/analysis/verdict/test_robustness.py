@@ -108,9 +108,6 @@ def test_a_policy_without_a_knob() -> None:
 def test_one_path() -> None:
     """On a single path, who keeps it keeps."""
     one = curve(100.0, 1.0)
-    one = Curve(
-        KNOB,
-        *(of[:, :1] for of in (one.p99_ms, one.work_ms, one.error_px)),
-        *[one.lag_ms[:, :1]] * 2,
-    )
+    p99_ms, work_ms, error_px = (of[:, :1] for of in (one.p99_ms, one.work_ms, one.error_px))
+    one = Curve(KNOB, p99_ms, work_ms, error_px, one.lag_ms[:, :1], one.lag_ms[:, :1])
     assert robustness({"a": one}, 16.0).first == ("a",)

@@ -249,6 +249,7 @@ def test_a_list_looks_at_a_slice_of_all_objects_a_frame(
         selection = policy.select(view)
         assert 15 <= selection.work.objects_visited <= 15 + 20
     jumped = see(scene, rng.uniform(0.0, 100.0, 120))
+    selection = first
     for _ in range(16):
         selection = policy.select(jumped)
         assert selection.work.objects_visited <= 15 + 20

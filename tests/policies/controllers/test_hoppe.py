@@ -206,7 +206,7 @@ def test_faulty_times_never_raise_detail(slope: Callable[..., Scene], make_view:
     ],
 )
 def test_senseless_parameters_are_refused(
-    slope: Callable[..., Scene], params: dict[str, float]
+    slope: Callable[..., Scene], params: dict[str, Any]
 ) -> None:
     """A parameter out of its range is bad input."""
     with pytest.raises(InputError, match=f"hoppe: expected .*{next(iter(params))}.*, got"):

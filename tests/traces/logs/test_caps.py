@@ -33,7 +33,8 @@ def test_free_renderers_of_all_speeds_are_honest():
     for seed in range(60):
         rng = np.random.default_rng(seed)
         load = 1.0 + 0.4 * np.sin(np.arange(800) / rng.uniform(5.0, 60.0))
-        frame_ms = np.exp(rng.uniform(np.log(0.05), np.log(40.0))) * load
+        ln_ms = rng.uniform(float(np.log(0.05)), float(np.log(40.0)))
+        frame_ms = np.exp(ln_ms) * load
         frame_ms *= 1.0 + 0.05 * rng.standard_normal(800)
         assert capped_at_hz(frame_ms) is None, seed
 

@@ -1,6 +1,7 @@
 """Units of times: by name, by size, against a clock, and asked for where nothing decides."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,7 +74,8 @@ def test_a_name_is_not_believed_against_its_size(tmp_path: Path):
 
 def test_counts_in_millions_are_multiplied(tmp_path: Path):
     """``Triangles (M)`` of 2.5 are 2,500,000, and the note says so."""
-    log = log_of(tmp_path, **{"gpu_ms": 5.0, "Triangles (M)": 2.5})
+    columns: dict[str, Any] = {"gpu_ms": 5.0, "Triangles (M)": 2.5}
+    log = log_of(tmp_path, **columns)
     assert np.median(log.counts) == pytest.approx(2.5e6)
     assert "triangles is Triangles (M) times 1e+06" in log.notes
 

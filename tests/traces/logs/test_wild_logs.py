@@ -37,6 +37,7 @@ def coefficients(log: RenderLog, target: TimeName) -> np.ndarray:
     design = np.column_stack((np.ones(keep.sum()), log.columns(names)[keep] / (1e3, 1e6)))
     time_ms = log.time(target)[keep]
     weight = np.ones(len(time_ms))
+    found = np.zeros(design.shape[1])
     for _ in range(20):
         root = np.sqrt(weight)
         found = np.linalg.lstsq(design * root[:, np.newaxis], time_ms * root, rcond=None)[0]
@@ -188,7 +189,7 @@ def headers(draw: st.DrawFn) -> tuple[list[tuple[str, str, str]], list[str], dic
         unit = draw(st.sampled_from(sorted(UNITS)))
         stem = draw(st.sampled_from(STEMS[role]))
         columns.append((role, spelt(stem, unit, draw(st.integers(0, 4))), unit))
-    others = draw(st.lists(st.sampled_from(OTHERS), max_size=4, unique=True))
+    others: list[str] = draw(st.lists(st.sampled_from(OTHERS), max_size=4, unique=True))
     mapping: dict[str, str] = {}
     if draw(st.booleans()):
         role, name, unit = draw(st.sampled_from(columns))
@@ -217,15 +218,15 @@ def test_no_time_is_lost_in_silence(
     # Sixteen digits: of nanoseconds and seconds alike, no unit is to be lost by rounding.
     lines = [",".join(names), *(",".join(f"{float(cell):.16g}" for cell in row) for row in rows)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    log, refusal = None, ""
     try:
         log = read_render_log(path, mapping or None)
     except InputError as error:
         refusal = error.message
-    else:
-        refusal = ""
-    assert refusal == "" or refusal.isprintable()
+    assert refusal.isprintable()
     assert len(refusal) <= 300
-    if refusal:
+    if log is None:
+        assert refusal
         return
     told = " ".join((*log.notes, *log.warnings, *log.unused))
     for place, (role, name, _) in enumerate(columns):
