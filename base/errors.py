@@ -20,9 +20,11 @@ Kind = TypeVar("Kind")
 
 
 LONGEST = 300
-"""Characters of a message; of a longer one the middle is left out, not what to do."""
+"""Characters of a line with the name of its file; of a longer message the middle is left out."""
 
-_END = 180
+_END_SHARE = 0.6
+_SHORTEST = 160  # however long the name of the file is
+_PREFIX = len("error: ")
 
 
 def printable(text: str) -> str:
@@ -31,8 +33,12 @@ def printable(text: str) -> str:
 
 
 def _in_one_line(message: str) -> str:
-    line = printable(" ".join(message.split()))  # libraries explain in several lines
-    return line if len(line) <= LONGEST else f"{line[: LONGEST - _END - 3]} … {line[-_END:]}"
+    return _cut(printable(" ".join(message.split())), LONGEST)  # libraries explain in several lines
+
+
+def _cut(line: str, longest: int) -> str:
+    end = int(longest * _END_SHARE)
+    return line if len(line) <= longest else f"{line[: longest - end - 3]} … {line[-end:]}"
 
 
 class LodbenchError(Exception):
@@ -57,7 +63,8 @@ class InputError(LodbenchError):
     def __str__(self) -> str:
         where = "" if self.path is None else f"{printable(self.path)}:"
         where += "" if self.line is None else f"{self.line}:"
-        return f"{where} {self.message}".strip()
+        room = max(LONGEST - _PREFIX - len(where) - 1, _SHORTEST)
+        return f"{where} {_cut(self.message, room)}".strip()
 
 
 @contextmanager

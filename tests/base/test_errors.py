@@ -4,7 +4,7 @@ import pickle
 
 import pytest
 
-from lodbench.base.errors import InputError, about_file, require_between
+from lodbench.base.errors import LONGEST, InputError, about_file, require_between
 
 
 def test_an_error_is_one_line_whatever_a_library_explains() -> None:
@@ -13,6 +13,14 @@ def test_an_error_is_one_line_whatever_a_library_explains() -> None:
         "expected Parquet, got a bad page:\n  no such type: \n\n; write it", path="a"
     )
     assert str(error) == "a: expected Parquet, got a bad page: no such type: ; write it"
+
+
+def test_a_line_with_the_name_of_its_file_is_short() -> None:
+    """The name of the file is whole, and what to do at the end; the middle is left out."""
+    line = str(InputError("expected one of " + "abc, " * 80 + "; name one", path="p" * 100))
+    assert len("error: " + line) == LONGEST
+    assert line.startswith("p" * 100 + ": expected one of ")
+    assert line.endswith("; name one")
 
 
 def test_an_error_comes_back_whole_from_another_process() -> None:
