@@ -76,12 +76,15 @@ def frozen_array(
     return array
 
 
-def require_finite(array: FloatArray, name: str, *, low: float = -np.inf) -> None:
-    """Raise InputError unless every value is finite and at least `low`."""
-    good = np.isfinite(array) & (array >= low)
+def require_finite(
+    array: FloatArray, name: str, *, low: float = -np.inf, high: float = np.inf
+) -> None:
+    """Raise InputError unless every value is finite and `low` to `high`."""
+    good = np.isfinite(array) & (array >= low) & (array <= high)
     if not good.all():
         first = tuple(int(i[0]) for i in np.nonzero(~good))
         bound = "" if low == -np.inf else f" >= {low:g}"
+        bound += "" if high == np.inf else f" <= {high:g}"
         raise InputError(f"{name}: expected finite values{bound}, got {array[first]} at {first}")
 
 

@@ -18,6 +18,7 @@ from ...base.predictors import LEVEL_PREDICTORS
 
 _TRIANGLES = LEVEL_PREDICTORS.index("triangles")
 _SPLATS = LEVEL_PREDICTORS.index("splats")
+_MOST = 2.0**53  # whole numbers up to this are exact; sums of what a damaged file holds overflow
 
 
 def count_rows(rows: int, **counts: ArrayLike) -> FloatArray:
@@ -71,8 +72,9 @@ class LevelTable:
         steps = np.diff(self.start)
         if types < 1 or self.start[0] != 0 or self.start[-1] != levels or (steps < 1).any():
             raise InputError("level start: expected every type to own at least one level")
-        for name in ("counts", "error_m", "bytes"):
-            require_finite(getattr(self, name), f"level {name}", low=0.0)
+        require_finite(self.error_m, "level error_m", low=0.0)
+        for name in ("counts", "bytes"):
+            require_finite(getattr(self, name), f"level {name}", low=0.0, high=_MOST)
         owner = np.repeat(np.arange(types, dtype=np.int32), steps)
         primitives = self.counts[:, _TRIANGLES] + self.counts[:, _SPLATS]
         self._require_ordered(primitives, owner)

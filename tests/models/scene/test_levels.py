@@ -107,6 +107,7 @@ def parts(**changes: object) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"bytes": np.full(3, 1e300)}, "level bytes: expected finite values >= 0 <= 9.0072e"),
         ({"start": np.array([0, 3, 3])}, "expected every type to own at least one level"),
         ({"start": np.array([1, 2, 3])}, "expected every type to own at least one level"),
         ({"start": np.array([0, 2, 4])}, "expected every type to own at least one level"),
