@@ -22,6 +22,7 @@ _TEXTURES = (
 _TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
 
 
+@np.errstate(all="ignore")  # numbers of damaged files overflow; what comes of them is judged
 def load_mesh(path: Path) -> SurfaceMesh:
     """Read a mesh or a scene of meshes as one surface, in the file's own axes and units.
 

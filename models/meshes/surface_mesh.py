@@ -9,6 +9,8 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray, IntArray, freeze, require_finite
 from ...base.errors import InputError
 
+_FARTHEST = 1e30  # in units of the file: squares of areas of larger meshes overflow
+
 
 @dataclass(frozen=True, slots=True)
 class MeshPart:
@@ -133,9 +135,11 @@ def clean_surface(
     vertices, faces = _stack(name, parts)
     used, faces = np.unique(faces, return_inverse=True)
     faces = faces.reshape(-1, 3)
-    if not np.isfinite(vertices[used]).all():
-        bad = int(used[~np.isfinite(vertices[used]).all(axis=1)][0])
-        raise InputError(f"mesh {name}: expected finite vertices, got {vertices[bad]} at {bad}")
+    usable = (np.abs(vertices[used]) <= _FARTHEST).all(axis=1)
+    if not usable.all():
+        bad = int(used[~usable][0])
+        expected = f"expected finite vertices within {_FARTHEST:g}"
+        raise InputError(f"mesh {name}: {expected}, got {vertices[bad]} at {bad}")
     uv, corner_uv = _texture_coordinates(name, parts)
     positions, merged = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)
     corner = merged.ravel().astype(np.int32)[faces]

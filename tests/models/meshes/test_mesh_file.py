@@ -36,6 +36,12 @@ def refused(path: Path) -> str:
     return info.value.message
 
 
+def test_numbers_that_overflow_are_refused_without_a_warning(tmp_path: Path) -> None:
+    """Of 1e400 numpy would warn beside the refusal, in lines of its own."""
+    message = refused(write(tmp_path / "far.obj", QUAD.replace("v 1 1 0", "v 1e400 1 0")))
+    assert "expected finite vertices" in message
+
+
 @pytest.mark.parametrize("suffix", ["obj", "ply", "stl", "off", "glb"])
 def test_formats_hold_the_same_box(suffix: str, tmp_path: Path) -> None:
     """A box comes back with 8 positions and 12 triangles from every format."""

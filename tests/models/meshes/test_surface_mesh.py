@@ -47,6 +47,7 @@ def test_both_sides_of_a_sheet_are_kept() -> None:
         (SQUARE, np.array([(0, 0, 1)]), "triangle with an area"),
         (SQUARE * np.nan, TWO, "finite vertices"),
         (SQUARE + np.array((np.inf, 0, 0)), TWO, "finite vertices"),
+        (SQUARE * 1e160, TWO, r"finite vertices within 1e\+30"),
     ],
 )
 def test_meshes_that_cannot_be_used_are_refused_by_name(
