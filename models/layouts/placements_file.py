@@ -101,6 +101,11 @@ def _records(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
         lines = [line for line in text.splitlines() if not line.startswith("#")]
         reader = csv.DictReader(lines, skipinitialspace=True)
         for record in reader:
+            if record.pop(None, None):  # pyright: ignore[reportArgumentType]
+                message = (
+                    f"expected {len(reader.fieldnames or ())} cells as in the header, got more"
+                )
+                raise InputError(f"{message}; correct the row", path=path, line=reader.line_num)
             yield reader.line_num, {str(k).strip().lower(): v for k, v in record.items()}
         return
     kind: Any = list[dict[str, Any]] if text.lstrip().startswith("[") else _Instances
@@ -147,7 +152,7 @@ def _numbers(record: Mapping[str, Any], path: Path, line: int) -> list[float]:
         except (TypeError, ValueError):
             number = math.nan
         if not math.isfinite(number) or abs(number) > 1e9:
-            message = f"expected a finite number for {name}, got {str(value)[:40]!r}"
+            message = f"expected a number within 1e9 for {name}, got {str(value)[:40]!r}"
             raise InputError(f"{message}; correct the record", path=path, line=line)
         numbers.append(number)
     norm = math.hypot(*numbers[3:7])

@@ -50,7 +50,8 @@ def test_json_with_y_up_is_turned_as_meshes_are(tmp_path: Path) -> None:
     [
         ("type,x,y,z\nrok,1,2,3\n", r"a\.csv:2: type: .*did you mean rock"),
         ("type,x,y,z\nrock,1,,3\n", r"a\.csv:2: expected y of a place"),
-        ("type,x,y,z\nrock,1,nan,3\n", r"a\.csv:2: expected a finite number for y"),
+        ("type,x,y,z\nrock,1,nan,3\n", r"a\.csv:2: expected a number within 1e9 for y"),
+        ("type,x,y,z\nrock,1,2,3,4\n", r"a\.csv:2: expected 4 cells as in the header, got more"),
         ("type,x,y,z,scale\nrock,1,2,3,-1\n", "expected a scale above 0"),
         ("type,x,y,z,qx,qy,qz,qw\nrock,1,2,3,5,0,0,1\n", "expected a unit quaternion"),
         ("type,x,y,z\n", "expected an object, got none"),
