@@ -135,6 +135,8 @@ def _times(poses: Poses, path: Path, reading: Reading) -> tuple[FloatArray, floa
     if poses.time is not None and unit is None and reading.rate_hz is None:
         unit = guess_time_unit(poses.time)
         said = [] if unit is None else [f"times in {unit}"]
+    if poses.time is not None and reading.rate_hz is not None:
+        _require_counts(poses, unit, path)
     rate_hz = reading.rate_hz or poses.rate_hz
     if poses.time is not None and unit is not None and reading.rate_hz is None:
         scale_s = TIME_UNITS_S[unit]
@@ -149,3 +151,15 @@ def _times(poses: Poses, path: Path, reading: Reading) -> tuple[FloatArray, floa
         )
     counted = np.arange(len(poses.lines)) if poses.time is None else poses.time - poses.time[0]
     return counted / rate_hz, 0.0, []
+
+
+def _require_counts(poses: Poses, unit: str | None, path: Path) -> None:
+    """Raise `InputError` if a rate is given for times: only numbers of frames are divided by it."""
+    assert poses.time is not None
+    if unit is None and np.all(poses.time == np.round(poses.time)):
+        return
+    got = "times" if unit is None else f"times in {unit}"
+    raise InputError(
+        f"rate: expected a file without times, got {got}; leave the rate out, or say --time-unit",
+        path=path,
+    )

@@ -78,6 +78,15 @@ def test_without_times_the_rate_is_asked_for(tmp_path: Path) -> None:
     assert trace.time_s == pytest.approx([0.0, 0.1, 0.3, 0.4])
 
 
+@pytest.mark.parametrize("times", ["0,0.02,0.04", "0.5,1.5,2.5"])
+def test_a_rate_is_no_divisor_of_times(tmp_path: Path, times: str) -> None:
+    """Seconds divided by a rate would be a path many times as fast: refused."""
+    rows = "".join(f"{t},{n},0,0,0\n" for n, t in enumerate(times.split(",")))
+    path = table(tmp_path, f"time,x,y,z,yaw\n{rows}")
+    with pytest.raises(InputError, match="rate: expected a file without times"):
+        read_trace(path, reading=Reading(rate_hz=60.0))
+
+
 def test_units_scale_lengths_and_times(tmp_path: Path) -> None:
     """300 feet are 91.44 m; microseconds said are not taken for milliseconds."""
     path = table(tmp_path, f"{HEADER}\n0,0,0,0,0,0,0,1\n100,300,0,0,0,0,0,1\n")
