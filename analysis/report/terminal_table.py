@@ -58,11 +58,11 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
         text = words_of(comparison, reason)
         console.print(text, style=style, soft_wrap=True, markup=False)
     if comparison.ok:
-        console.print(explain(comparison), style="dim", markup=False)
+        console.print(explain(comparison, " (--wide)"), style="dim", markup=False)
 
 
-def explain(comparison: Comparison) -> str:
-    """Return what ranks, probabilities and intervals mean."""
+def explain(comparison: Comparison, shown_by: str = "") -> str:
+    """Return what ranks, probabilities and intervals mean; `shown_by` says how to see the last."""
     s = comparison.sampling
     draws = f", {s.draws} draws of the cost model" if s.draws else ""
     return (
@@ -73,7 +73,7 @@ def explain(comparison: Comparison) -> str:
         f"{comparison.visible:g} px), then visible pops, then lag, then work; within the margin of "
         f"{comparison.margin:.0%} they share the rank; beside it: what told it from those "
         "before.\n"
-        f"Intervals (--wide): {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
+        f"Intervals{shown_by}: {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
         f"{draws}."
     )
 

@@ -119,6 +119,8 @@ def test_page_says_all_that_matters(results: Compared) -> None:
     assert full.steps[0].overshoot_ratio > 1.2
     assert f"{full.steps[0].overshoot_ratio:.2f} ×" in text
     assert "frame 70: ValueError: lost <b>patience</b>" in text
+    assert "Intervals: " in text
+    assert "--wide" not in text  # an option of the terminal
 
 
 def test_the_table_is_in_the_order_of_the_answer(results: Compared) -> None:
