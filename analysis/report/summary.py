@@ -118,6 +118,7 @@ def describe_run(comparison: Comparison) -> str:
         hardware,
         f"budget {comparison.budget_ms:.4g} ms",
         c.display if c.display in {"immediate", "vrr"} else f"{c.display} {c.refresh_hz:g} Hz",
+        *(() if c.pacing == "none" else (f"pacing {c.pacing}",)),  # it decides the lag
         f"seed {comparison.seed}",
     )
     return " · ".join(parts)

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from lodbench.analysis.metrics.metric_registry import METRICS
-from lodbench.analysis.report.summary import HEADLINE, keeps_text
+from lodbench.analysis.report.summary import HEADLINE, describe_run, keeps_text
 from lodbench.analysis.report.terminal_table import print_comparison
 from lodbench.analysis.report.values import format_value
 from lodbench.analysis.study.compare import CompareSettings, compare
@@ -164,6 +164,13 @@ def test_table_says_what_was_replayed(comparison: Comparison) -> None:
         assert part in text
     for sentence in comparison.answer:
         assert sentence in " ".join(text.split())
+
+
+def test_pacing_is_told_where_there_is_any(comparison: Comparison) -> None:
+    """The lag of two comparisons may differ by it alone."""
+    assert "pacing" not in describe_run(comparison)
+    conditions = replace(comparison.conditions, pacing="limiter")
+    assert "pacing limiter" in describe_run(replace(comparison, conditions=conditions))
 
 
 def test_failures_are_told_with_their_reason(comparison: Comparison) -> None:
