@@ -149,8 +149,10 @@ def _times(poses: Poses, path: Path, reading: Reading) -> tuple[FloatArray, floa
             "`lodbench trace convert FILE OUT.csv --rate 30`",
             path=path,
         )
-    counted = np.arange(len(poses.lines)) if poses.time is None else poses.time - poses.time[0]
-    return counted / rate_hz, 0.0, []
+    if poses.time is None:
+        return np.arange(len(poses.lines)) / rate_hz, 0.0, []
+    counted = poses.time - poses.time[0]
+    return counted / rate_hz, 0.0, [f"times are numbers of frames, {rate_hz:g} a second"]
 
 
 def _require_counts(poses: Poses, unit: str | None, path: Path) -> None:

@@ -76,6 +76,7 @@ def test_without_times_the_rate_is_asked_for(tmp_path: Path) -> None:
         read_trace(path)
     trace = read_trace(path, reading=Reading(rate_hz=10.0))
     assert trace.time_s == pytest.approx([0.0, 0.1, 0.3, 0.4])
+    assert "numbers of frames, 10 a second" in trace.assumed[-1]
 
 
 @pytest.mark.parametrize("times", ["0,0.02,0.04", "0.5,1.5,2.5"])
