@@ -14,6 +14,10 @@ from .scene import Scene
 from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
 
 
+_MESHES = (".obj", ".ply", ".stl", ".off", ".dae", ".3mf")
+"""Suffixes of files that hold meshes and no scene."""
+
+
 @dataclass(frozen=True, slots=True)
 class OpenedScene:
     """A scene, where it comes from, and how to get the meshes of its levels.
@@ -71,6 +75,11 @@ def open_scene(spec: str) -> OpenedScene:
 
         scene, meshes, origin = read_gltf_scene(path)
         return OpenedScene(scene, origin, lambda: meshes)
+    if suffix in _MESHES and is_file(path):
+        message = (
+            f"expected a scene, got a mesh; lodbench scene build {path.name} --out NAME{SUFFIX}"
+        )
+        raise InputError(message, path=path)
     if suffix == SUFFIX or is_file(path):
         return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()

@@ -37,3 +37,10 @@ def test_a_missing_file_is_named() -> None:
     """A path with the suffix of scenes is taken as a path."""
     with pytest.raises(InputError, match=r"gone\.lodscene: expected a file, got no such file"):
         load_scene("gone.lodscene")
+
+
+def test_a_mesh_is_told_from_a_scene(tmp_path: Path) -> None:
+    """A scene is made of it first, by the command that is named."""
+    (tmp_path / "cow.obj").write_text("v 0 0 0\n")
+    with pytest.raises(InputError, match=r"got a mesh; lodbench scene build cow\.obj --out"):
+        load_scene(str(tmp_path / "cow.obj"))
