@@ -13,7 +13,6 @@ from ..scenes.scene_registry import SCENES, find_builder
 from .scene import Scene
 from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
 
-
 _MESHES = (".obj", ".ply", ".stl", ".off", ".dae", ".3mf")
 """Suffixes of files that hold meshes and no scene."""
 
