@@ -31,13 +31,17 @@ TIMES = (
     "display_ns",
 )
 
-CONSTANT = ("framebuffer_pixels", "objects_culled")
-"""Predictors that are the same in every frame at full size; no columns."""
+UNLOGGED = (
+    *("framebuffer_pixels", "objects_culled"),  # the same in every frame at full size
+    # Told by others: all that is drawn, its triangles, and the logarithm of its number.
+    *("reformed_objects", "reformed_triangles", "reduction_steps"),
+)
+"""Predictors without a column, which would cost nine bytes a frame each."""
 
 COUNTS = (
     # Of everything drawn, cross-fades included; NaN where the cost model does not charge what takes
     # time to count.
-    *(name for name in GPU_PREDICTORS if name not in CONSTANT),
+    *(name for name in GPU_PREDICTORS if name not in UNLOGGED),
     "visible",  # objects, or leaves of a tree, in the frustum
     "drawn",  # nodes drawn
     "missing",  # of those visible, how many have nothing drawn for them
@@ -48,7 +52,7 @@ COUNTS = (
     "cpu_ms",  # with noise
     "gpu_ms",  # with noise
     "select_ms",  # part of cpu_ms (noise-free) that the policy's work cost
-    *(name for name in CPU_PREDICTORS if name not in (*CONSTANT, *GPU_PREDICTORS)),
+    *(name for name in CPU_PREDICTORS if name not in (*UNLOGGED, *GPU_PREDICTORS)),
     "toggles",
     "visible_pops",  # switches that change the projected error by `visible_px` or more
     "reversals",
@@ -184,7 +188,7 @@ class CountRows:
     Parameters
     ----------
     names
-        What `append` is given, in its order: all of `COUNTS` and `CONSTANT`.
+        What `append` is given, in its order: all of `COUNTS` and `UNLOGGED`.
 
     Raises
     ------
@@ -195,7 +199,7 @@ class CountRows:
     __slots__ = ("_in_order", "_pack", "_values", "_width")
 
     def __init__(self, names: Sequence[str]) -> None:
-        if wrong := sorted({*COUNTS, *CONSTANT}.symmetric_difference(names)):
+        if wrong := sorted({*COUNTS, *UNLOGGED}.symmetric_difference(names)):
             raise KeyError(*wrong)
         self._values, self._width = bytearray(), len(names)
         self._pack = Struct(f"={len(COUNTS)}d").pack

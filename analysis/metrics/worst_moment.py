@@ -7,7 +7,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...models.machine.hardware import HardwareProfile
-from ...sim.frame_log import CONSTANT
+from ...sim.frame_log import UNLOGGED
 from .measured_frames import MeasuredFrames
 
 
@@ -65,7 +65,7 @@ def _grown_term(frames: MeasuredFrames, at: int, hardware: HardwareProfile) -> t
     grown = {
         name: ms * _above_median(frames[name], at)
         for name, ms in zip(names, unit_ms.tolist(), strict=True)
-        if ms > 0.0 and name not in CONSTANT
+        if ms > 0.0 and name not in UNLOGGED
     }
     term = max(grown, key=grown.__getitem__, default="")
     return (term, grown[term]) if term and grown[term] > 0.0 else ("", 0.0)

@@ -10,7 +10,7 @@ from scipy.special import stdtr, stdtrit
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from ...sim.frame_log import CONSTANT, FrameLog
+from ...sim.frame_log import UNLOGGED, FrameLog
 from ..metrics.metric import Better
 from ..metrics.metric_registry import find_metric
 from ..study.comparison import Comparison
@@ -270,7 +270,7 @@ def _side_ms(
     log: FrameLog, side: _Side, unit_ms: Mapping[str, float]
 ) -> Iterator[tuple[_Term, float]]:
     for name, ms in unit_ms.items():
-        if name in CONSTANT:  # the same in every frame, and no column of a log
+        if name in UNLOGGED:  # the same in every frame, and no column of a log
             continue
         mean = float(log[name].mean())
         if np.isfinite(mean):

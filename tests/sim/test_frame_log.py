@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lodbench.base.errors import InputError
-from lodbench.sim.frame_log import CONSTANT, COUNTS, TIMES, CountRows, FrameLog, LogHeader
+from lodbench.sim.frame_log import COUNTS, TIMES, UNLOGGED, CountRows, FrameLog, LogHeader
 from lodbench.sim.frame_log_file import read_frame_log, write_frame_log
 
 HEADER = LogHeader("policy", "scene", "trace", "machine", 10.0, 0, "immediate", 60.0, 1e9)
@@ -56,7 +56,7 @@ def test_tables_of_another_shape_are_refused(
 
 def test_rows_are_given_by_name() -> None:
     """Whatever the order of names, values land in their columns; what is constant in none."""
-    names = [*reversed(COUNTS), *CONSTANT]
+    names = [*reversed(COUNTS), *UNLOGGED]
     rows = CountRows(names)
     for frame in range(2):
         rows.append(tuple(100.0 * frame + k for k in range(len(names))))
@@ -68,7 +68,7 @@ def test_rows_are_given_by_name() -> None:
 
 def test_rows_of_other_names_are_refused() -> None:
     """A name that is missing, and one that is no column, are named."""
-    names = [*COUNTS, *CONSTANT]
+    names = [*COUNTS, *UNLOGGED]
     with pytest.raises(KeyError, match="lag_ms"):
         CountRows([*names, "lag_ms"])
     names.remove("toggles")
@@ -78,8 +78,8 @@ def test_rows_of_other_names_are_refused() -> None:
 
 def test_a_row_of_another_length_is_refused() -> None:
     """A frame with a value too few, or too many, is not taken for one of other columns."""
-    rows = CountRows([*COUNTS, *CONSTANT])
-    for count in (len(COUNTS), len(COUNTS) + len(CONSTANT) + 1):
+    rows = CountRows([*COUNTS, *UNLOGGED])
+    for count in (len(COUNTS), len(COUNTS) + len(UNLOGGED) + 1):
         with pytest.raises(ValueError, match="values a frame"):
             rows.append((0.0,) * count)
     assert len(rows.table()) == 0

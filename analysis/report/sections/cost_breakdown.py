@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ....base.arrays import FloatArray
-from ....sim.frame_log import CONSTANT
+from ....sim.frame_log import UNLOGGED
 from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Cell, Paragraph, Table
 from ..results import Results, section
@@ -72,7 +72,7 @@ def _terms_ms(
     means = {
         name: ms * float(np.average(run[name], weights=weight))
         for name, ms in unit_ms.items()
-        if name not in CONSTANT
+        if name not in UNLOGGED
     }
     return {name: ms for name, ms in means.items() if np.isfinite(ms)}
 
