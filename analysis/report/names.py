@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-_LONG, _HEAD = 60, 24
+_LONG, _HEAD = 80, 30
 _MOST = 500
 """Characters of a name under the pointer, where it is cut."""
 

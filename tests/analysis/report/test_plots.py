@@ -84,7 +84,7 @@ def test_long_names_are_cut_and_short_ones_stay() -> None:
     """A name that can be read is untouched; a long one is cut, in sentences, too."""
     long = "a" * 10_000
     assert (short_name("full"), whole_name("full")) == ("full", "")
-    assert len(short_name(long)) == 60
+    assert len(short_name(long)) == 80
     assert short_name(f"{long}/mine.py:Broken").endswith("aaa/mine.py:Broken")
     assert len(whole_name(long)) == 500
     assert readable(f"Take {long}: it", ["full", long]) == f"Take {short_name(long)}: it"

@@ -29,7 +29,7 @@ from lodbench.models.machine.hardware import HardwareProfile, Posterior
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.registry import parse_policy
-from lodbench.sim.frame_log import FrameLog
+from lodbench.sim.frame_log import UNLOGGED, FrameLog
 from lodbench.sim.replay import ReplayOptions, replay
 from lodbench.traces.cameras.generators.tour import tour
 
@@ -40,7 +40,7 @@ Replays = tuple[Validation, dict[str, Pair], HardwareProfile]
 
 def counts_of(log: FrameLog) -> dict[str, np.ndarray]:
     """Return what a frame log says was drawn."""
-    return {name: log[name] for name in GPU_PREDICTORS if name != "framebuffer_pixels"}
+    return {name: log[name] for name in GPU_PREDICTORS if name not in UNLOGGED}
 
 
 @pytest.fixture(scope="module")
