@@ -12,7 +12,7 @@ import numpy as np
 
 from ....base.arrays import FloatArray
 from ....base.errors import InputError
-from ..camera_trace import CameraTrace, Repair
+from ..camera_trace import CameraTrace
 from ..orientation import camera_from_optical
 from ..reading.rotations import nearest_rotations
 from ..samples import trace_from_samples
@@ -34,7 +34,7 @@ def read_kitti(path: Path, selector: str | None = None) -> CameraTrace:
     """
     lines, table = read_rows(data_lines(path), COLUMNS, path)
     matrices = table.reshape(-1, 3, 4)
-    rotations, projected = nearest_rotations(matrices[:, :, :3], path, lines)
+    rotations, repairs = nearest_rotations(matrices[:, :, :3], path, lines)
     from scipy.spatial.transform import Rotation
 
     orientation: FloatArray = Rotation.from_matrix(Z_UP @ rotations).as_quat()
@@ -45,7 +45,7 @@ def read_kitti(path: Path, selector: str | None = None) -> CameraTrace:
         time_s=_read_times(_times_path(path, selector), path, len(lines)),
         position_m=matrices[:, :, 3] @ Z_UP.T,
         orientation_xyzw=camera_from_optical(orientation),
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
     )
 
 

@@ -6,16 +6,17 @@ from pathlib import Path
 import numpy as np
 
 from ....base.arrays import FloatArray, refuse_rows
+from ..camera_trace import Repair
 from ..samples import MAX_NORM_ERROR, ROUNDING
 
 
 def nearest_rotations(
     matrices: FloatArray, path: Path, lines: Sequence[int]
-) -> tuple[FloatArray, int]:
+) -> tuple[FloatArray, tuple[Repair, ...]]:
     """Return the nearest rotation (polar decomposition) of each of (n, 3, 3) matrices.
 
-    And how many were off by more than the rounding of printed digits.  Raises `InputError` with the
-    line of the first that is none.
+    And what was repaired: those off by more than the rounding of printed digits.  Raises
+    `InputError` with the line of the first that is none.
     """
     clipped = np.clip(matrices, -2.0, 2.0)  # what is larger is refused, and must not overflow
     product = clipped @ np.swapaxes(clipped, 1, 2)
@@ -30,7 +31,9 @@ def nearest_rotations(
         lines=lines,
     )
     left, _, right = np.linalg.svd(matrices)
-    return left @ right, int(np.sum(error > ROUNDING))
+    projected = int(np.sum(error > ROUNDING))
+    repairs = (Repair(projected, "matrices made rotations"),) if projected else ()
+    return left @ right, repairs
 
 
 def rotations_of(quaternions_xyzw: FloatArray, path: Path, lines: Sequence[int]) -> FloatArray:

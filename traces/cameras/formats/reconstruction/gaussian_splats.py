@@ -12,7 +12,6 @@ import numpy as np
 
 from .....base.errors import InputError
 from .....base.files.strict_json import read_json
-from ...camera_trace import Repair
 from ...reading.frames import OPENCV
 from ...reading.poses import Poses
 from ...reading.rotations import nearest_rotations
@@ -39,7 +38,7 @@ def read_splats(path: Path, selector: str | None = None) -> Poses:
             raise InputError(f"{message}; {_ADVICE}", path=path)
     lines = range(1, len(cameras) + 1)
     matrices = np.array([one.rotation for one in cameras], dtype=np.float64).reshape(-1, 3, 3)
-    rotation, projected = nearest_rotations(matrices, path, lines)
+    rotation, repairs = nearest_rotations(matrices, path, lines)
     first = cameras[0] if cameras else None
     fovy_deg = None
     if first is not None and first.fy and first.height:
@@ -53,7 +52,7 @@ def read_splats(path: Path, selector: str | None = None) -> Poses:
         frame=OPENCV,
         unit=None,
         fovy_deg=fovy_deg,
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
     )
 
 

@@ -6,7 +6,6 @@ optical frame of the first camera.
 
 from pathlib import Path
 
-from ...camera_trace import Repair
 from ...reading.frames import OPENCV
 from ...reading.poses import Poses
 from ...reading.rotations import nearest_rotations
@@ -21,7 +20,7 @@ def read_matrices(path: Path, selector: str | None = None) -> Poses:
     refuse_selector(selector, path, "file of 4 x 4 matrices")
     lines, table = read_rows(data_lines(path), _NAMES, path)
     matrices = table.reshape(-1, 4, 4)
-    rotation, projected = nearest_rotations(matrices[:, :3, :3], path, lines)
+    rotation, repairs = nearest_rotations(matrices[:, :3, :3], path, lines)
     return Poses(
         name=path.stem,
         lines=lines,
@@ -30,7 +29,7 @@ def read_matrices(path: Path, selector: str | None = None) -> Poses:
         rotation=rotation,
         frame=OPENCV,
         unit=None,
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
     )
 
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from .....base.errors import InputError
 from .....base.files.strict_json import read_json
-from ...camera_trace import Repair
 from ...reading.frames import Frame
 from ...reading.poses import Poses
 from ...reading.rotations import nearest_rotations
@@ -48,7 +47,7 @@ def read_nerf(path: Path, selector: str | None = None) -> Poses:
             raise InputError(f"{message}; {_ADVICE}", path=path)
         matrices[at, : len(rows)] = rows
     lines = range(1, len(matrices) + 1)
-    rotation, projected = nearest_rotations(matrices[:, :3, :3], path, lines)
+    rotation, repairs = nearest_rotations(matrices[:, :3, :3], path, lines)
     return Poses(
         name=path.stem,
         lines=lines,
@@ -58,7 +57,7 @@ def read_nerf(path: Path, selector: str | None = None) -> Poses:
         frame=Frame("opengl", "z"),
         unit=None,
         fovy_deg=_fovy_deg(file),
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
     )
 
 

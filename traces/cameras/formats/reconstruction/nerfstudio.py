@@ -11,7 +11,6 @@ import numpy as np
 
 from .....base.errors import InputError
 from .....base.files.strict_json import read_json
-from ...camera_trace import Repair
 from ...reading.frames import Frame
 from ...reading.poses import Poses
 from ...reading.rotations import nearest_rotations
@@ -42,7 +41,7 @@ def read_nerfstudio(path: Path, selector: str | None = None) -> Poses:
             raise InputError(f"{message}; {_ADVICE}", path=path)
     matrices = np.array([shot.camera_to_world for shot in file.camera_path]).reshape(-1, 4, 4)
     lines = range(1, len(matrices) + 1)
-    rotation, projected = nearest_rotations(matrices[:, :3, :3], path, lines)
+    rotation, repairs = nearest_rotations(matrices[:, :3, :3], path, lines)
     fields = [shot.fov for shot in file.camera_path if shot.fov is not None]
     zooms = bool(fields) and max(fields) > min(fields)
     return Poses(
@@ -55,7 +54,7 @@ def read_nerfstudio(path: Path, selector: str | None = None) -> Poses:
         unit=None,
         rate_hz=file.fps,
         fovy_deg=float(np.median(fields)) if fields else None,
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
         assumed=("the median of a field of view that changes",) if zooms else (),
     )
 

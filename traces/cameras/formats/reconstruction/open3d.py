@@ -13,7 +13,6 @@ import numpy as np
 from .....base.arrays import FloatArray
 from .....base.errors import InputError
 from .....base.files.strict_json import read_json
-from ...camera_trace import Repair
 from ...reading.frames import Frame
 from ...reading.poses import Poses
 from ...reading.rotations import nearest_rotations
@@ -65,7 +64,7 @@ def read_open3d_json(path: Path, selector: str | None = None) -> Poses:
 
 
 def _poses(path: Path, lines: list[int], matrices: FloatArray, frame: Frame) -> Poses:
-    rotation, projected = nearest_rotations(matrices[:, :3, :3], path, lines)
+    rotation, repairs = nearest_rotations(matrices[:, :3, :3], path, lines)
     return Poses(
         name=path.stem,
         lines=lines,
@@ -73,7 +72,7 @@ def _poses(path: Path, lines: list[int], matrices: FloatArray, frame: Frame) -> 
         position=matrices[:, :3, 3],
         rotation=rotation,
         frame=frame,
-        repairs=(Repair(projected, "matrices made rotations"),) if projected else (),
+        repairs=repairs,
     )
 
 
