@@ -72,6 +72,10 @@ def full_studies() -> bool:
 def start_cluster(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
     """Return what starts a Dask cluster of workers with a thread each, as a context manager."""
     distributed: Any = importlib.import_module("distributed")
+    # Fifteen seconds after a worker was lost, Dask gives up a worker of its name that is not there:
+    # also the one that is just being started again because it was lost a second time.
+    dask: Any = importlib.import_module("dask")
+    dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"})
 
     def start(n_workers: int = 2, **options: Any) -> Any:
         return distributed.LocalCluster(

@@ -97,7 +97,7 @@ def test_the_studio_page_holds(
 
     profile = tomllib.loads(Path("console.toml").read_text())
     terms = {"base": profile["gpu"]["base"], **profile["gpu"]["linear"]}
-    unit_ms = {"us": 1e-3, "ns": 1e-6}
+    unit_ms = {"ms": 1.0, "us": 1e-3, "ns": 1e-6}
     cost_ms = {name: term["value"] * unit_ms[term["unit"]] for name, term in terms.items()}
     truth_ms = {"base": BASE_MS, "draw_calls": CALL_MS, "triangles": TRIANGLE_MS}
     assert cost_ms == pytest.approx(truth_ms, rel=0.05)

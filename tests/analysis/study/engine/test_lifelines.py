@@ -47,6 +47,11 @@ def lives(pid: str) -> bool:
         return False
 
 
+def still_there(started: Path) -> list[str]:
+    """Return the processes that do something, of those that have started so far."""
+    return [path.name for path in started.iterdir() if lives(path.name)]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "code", "said"),
@@ -89,11 +94,11 @@ def end_within(number: signal.Signals, code: int, said: str, tmp_path: Path) -> 
         stderr=subprocess.PIPE,
         text=True,
     ) as process:
-        assert wait_until(lambda: len(list(started.iterdir())) == 2, 60.0)
+        # A worker and its child, or two workers and theirs: who looks too late sees more than two.
+        assert wait_until(lambda: len(list(started.iterdir())) >= 2, 180.0)
         process.send_signal(number)
-        pids = [path.name for path in started.iterdir()]
-        in_time = wait_until(lambda: not any(map(lives, pids)), WITHIN_S)
-        assert in_time or wait_until(lambda: not any(map(lives, pids)), 30.0)
+        in_time = wait_until(lambda: not still_there(started), WITHIN_S)
+        assert in_time or wait_until(lambda: not still_there(started), 30.0)
         printed, complained = process.communicate(timeout=30.0)
     assert (process.returncode, printed, complained) == (code, "", said)
     assert list(scratch.iterdir()) == []
