@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...base.errors import InputError
+from .process_memory import keep_memory
 
 if TYPE_CHECKING:
     import moderngl
@@ -88,7 +89,7 @@ def open_target(
         Width and height of the window.
     threads
         Threads of Mesa's software rasteriser, 0 for none but the caller's; None leaves it be.  It
-        is read when the process opens its first context.
+        is read when the process opens its first context.  What it frees stays with the process.
     """
     try:
         import moderngl
@@ -97,6 +98,7 @@ def open_target(
         raise InputError(message) from error
     if threads is not None:
         os.environ["LP_NUM_THREADS"] = str(threads)
+        keep_memory()
     if backend not in BACKENDS:
         raise InputError(f"--backend: expected one of {', '.join(BACKENDS)}, got {backend}")
     try:

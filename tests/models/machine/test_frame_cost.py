@@ -189,6 +189,17 @@ def test_rasterized_triangles_have_their_limits() -> None:
     assert units == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
 
 
+def test_triangles_in_view_are_those_of_what_is_inside(make_levels: MakeLevels) -> None:
+    """Of 100 triangles all, a quarter and none are let through: 125 in all, at 2 ms each."""
+    levels, row = make_levels([(100, 40)]), np.array([0, 0, 0])
+    view = Seen(np.full(3, 50.0), np.full(3, 20.0), np.array([1.0, 0.25, 0.0]))
+    costs = FrameCost(CostModel.of(0.0, {"triangles_in_view": 2.0}), levels)
+    assert costs.objects_ms(row, view).tolist() == [200.0, 50.0, 0.0]
+    price = costs.frame(row, view, 1e6, pixel_share=0.25)  # a smaller picture has as many
+    assert price.gpu_ms == 250.0
+    assert costs.counts(price)["triangles_in_view"] == 125.0
+
+
 def test_textured_triangles_may_be_the_cheaper_ones() -> None:
     """Of 100 triangles with 80 textured and 50 with 20, at 1 and 4 ms: 80 + 80 and 20 + 120."""
     counts = count_rows(2, triangles=[100.0, 50.0], textured_triangles=[80.0, 20.0])
