@@ -15,7 +15,12 @@ from ...models.scene.scene_catalog import OpenedScene
 from ...policies.registry import parse_policy
 from ...render.gl.calibration import Calibration
 from ...render.gl.context import Device, Target, open_target
-from ...render.gl.image_comparison import PictureDifference, PictureFolder, PictureMachine
+from ...render.gl.image_comparison import (
+    PictureDifference,
+    PictureFolder,
+    PictureMachine,
+    summarise_pictures,
+)
 from ...render.gl.opengl_machine import GlMachine
 from ...render.gl.recorder import check_policy, header_of, record
 from ...render.gl.renderer import Renderer
@@ -215,11 +220,5 @@ def summary_of(recorded: Recorded) -> dict[str, Any]:
         "log": recorded.header,
     }
     if recorded.pictures:
-        ssim = [picture.ssim for picture in recorded.pictures]
-        record["pictures"] = {
-            "count": len(ssim),
-            "ssim_mean": float(np.mean(ssim)),
-            "ssim_min": float(np.min(ssim)),
-            "difference_mean": float(np.mean([p.difference for p in recorded.pictures])),
-        }
+        record["pictures"] = summarise_pictures(recorded.pictures)
     return record

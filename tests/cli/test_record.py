@@ -133,14 +133,19 @@ def test_pictures_of_full_detail(record: Record, capsys: pytest.CaptureFixture[s
     document = json.loads(capsys.readouterr().out)
     drawn = range(0, document["frames"], 2)  # as many frames as this machine draws in the time
     alike = {"count": len(drawn), "ssim_mean": 1.0, "ssim_min": 1.0, "difference_mean": 0.0}
+    alike |= {"flip_mean": 0.0, "switch_flip_mean": 0.0}  # full detail never switches
     assert document["pictures"] == alike
     names = sorted(path.name for path in Path("pictures").iterdir())
     assert names == [*(f"frame-{frame:06}.png" for frame in drawn), "images.csv"]
     header, *rows = Path("pictures/images.csv").read_text(encoding="utf-8").splitlines()
-    assert header.startswith("frame,trace_s,ssim,difference,differing,benefit_share,sse_px_p95")
+    assert header.startswith(
+        "frame,trace_s,ssim,difference,differing,flip,step_flip,held_step_flip,"
+    )
+    assert ",switch_flip,benefit_share,sse_px_p95,sse_px_max,popping_px," in header
     assert [row.split(",")[0] for row in rows] == [str(frame) for frame in drawn]
     for row in rows:
-        assert row.split(",")[2:6] == ["1", "0", "0", "1"]
+        assert row.split(",")[2:6] == ["1", "0", "0", "0"]
+        assert row.split(",")[9] == "1"
         assert len(row.split(",")) == len(header.split(","))
 
 
