@@ -16,7 +16,6 @@ from .simplify import ChainOptions, build_chain
 from .surface_mesh import Stand, SurfaceMesh
 from .type_model import TypeModel, measure_levels
 
-
 _WHAT, _ADVICE = "a mesh of which levels can be made", "look at it in a modelling tool"
 
 

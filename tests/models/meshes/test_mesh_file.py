@@ -254,7 +254,7 @@ def test_elements_without_bytes_are_bounded_before_they_are_made(
 
 
 def test_bytes_that_accessors_share_count_each_time(tmp_path: Path) -> None:
-    """Two thousand accessors on one view of 120 kB are 60 million numbers, four thousand too many."""
+    """On one view of 120 kB two thousand accessors are 60 million numbers, four too many."""
     few, many = shared_views(2_000), shared_views(4_000)
     assert len(load_mesh(write(tmp_path / "few.gltf", few)).faces) == 1
     message = refused(write(tmp_path / "many.gltf", many))
