@@ -9,6 +9,7 @@ from ..base.errors import InputError
 from ..base.files.parquet_file import ParquetColumns, write_columns
 from ..base.files.strict_json import decode_json
 from ..base.files.whole_file import whole_file
+from ..base.reader_guard import guarded
 from .frame_log import COUNTS, DEPTH, TIMES, FrameLog, LogHeader
 
 _SCHEMA = "lodbench.frame-log/2"
@@ -27,7 +28,11 @@ def read_frame_log(path: str | Path) -> FrameLog:
 
     Raises `InputError` if the file is missing, is no Parquet, or has another schema.
     """
-    source = Path(path)
+    with guarded(path, "a frame log", _ADVICE):
+        return _read(Path(path))
+
+
+def _read(source: Path) -> FrameLog:
     if not source.is_file():
         raise InputError(f"expected a frame log, got no file; {_ADVICE}", path=source)
     table = ParquetColumns(source, _ADVICE)

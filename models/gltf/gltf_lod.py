@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..meshes.geometry import Geometry
 from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
@@ -39,7 +40,7 @@ def read_gltf_scene(
     is compressed and there is no decoder; or if the levels of a node are not ever coarser.
     """
     gltf = read_gltf(path)
-    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
+    with guarded(path, "a glTF 2.0 file with meshes", "export it again"):
         return _read(gltf, path, sampling or Sampling())
 
 

@@ -20,6 +20,7 @@ from ...base.errors import InputError
 from ...base.files.strict_json import decode_json
 from ...base.files.text_file import read_text
 from ...base.nearest_names import unknown_name
+from ...base.reader_guard import guarded
 
 _PLACE, _TURN = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 _LISTS = {"position": _PLACE, "rotation": _TURN}
@@ -69,6 +70,11 @@ def read_placements(
     y_up, unit_m
         Axes and unit of the file.
     """
+    with guarded(path, "places of objects", "export them again"):
+        return _read(path, types, y_up=y_up, unit_m=unit_m)
+
+
+def _read(path: Path, types: Sequence[str], *, y_up: bool, unit_m: float) -> Placements:
     kinds: list[int] = []
     rows: list[list[float]] = []
     for line, record in _records(path):
