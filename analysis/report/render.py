@@ -18,6 +18,7 @@ SECTIONS = (
     "tradeoffs",
     "along_the_trace",
     "flicker",
+    "object_levels",
     "worst_moments",
     "cost_breakdown",
     "predictions",
