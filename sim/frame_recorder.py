@@ -26,6 +26,7 @@ from .accounting.picture_quality import FlatQuality, TreeQuality
 from .accounting.screen_errors import ScreenErrors
 from .accounting.switches import Drawn
 from .frame_log import CountRows
+from .level_history import LevelRecorder
 from .loader import Memory
 from .replay_options import ReplayOptions
 from .simulated_machine import Machine, Submitted
@@ -96,6 +97,7 @@ class FrameRecorder:
         *,
         policy: str,
         future: bool,
+        levels: LevelRecorder | None,
     ) -> None:
         costs = FrameCost(truth, scene.types.levels)
         self._accounting = Accounting(
@@ -114,7 +116,7 @@ class FrameRecorder:
         self._depth = None if tree is None else tree.depth
         self._depths = 0 if tree is None else int(tree.depth.max()) + 1
         self._by_depth = bytearray()  # of int64, a row a frame
-        self._rows = CountRows(_ROW)
+        self._rows, self._levels = CountRows(_ROW), levels
         self.last_detail = self._accounting.switches.detail
 
     def record(
@@ -146,6 +148,8 @@ class FrameRecorder:
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
             self._count_depths(drawn)
+        if self._levels is not None:
+            self._levels.record(drawn, view.camera)
         extraction = self._extract(view, selection, drawn)
         first = self._first_uses.record(drawn.row.take(accounting.switches.changed))
         changes = LevelChanges(

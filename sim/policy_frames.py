@@ -22,6 +22,7 @@ from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
 from .frame_timer import FrameTimer
+from .level_history import LevelRecorder
 from .loader import make_memory
 from .pipeline import Pipeline
 from .replay_options import ReplayOptions
@@ -45,6 +46,7 @@ class PolicyFrames:
         name: str,
         machine: Machine | None,
         beat: Callable[[int], None] | None,
+        levels: LevelRecorder | None = None,
     ) -> None:
         self._policy, self._name, self._beat = policy, name, beat
         future = policy.capabilities.future
@@ -77,6 +79,7 @@ class PolicyFrames:
             self._memory,
             policy=name,
             future=future,
+            levels=levels,
         )
         self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
