@@ -92,7 +92,8 @@ def validate(
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation import replays
-    from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
+    from ..analysis.validation.record_options import RecordOptions
+    from ..analysis.validation.recordings import conditions, require_recordable
     from ..analysis.validation.validate import Pair, require_other_frames, require_priced
     from ..analysis.validation.validate import validate as compare_sides
     from ..analysis.validation.validation_folder import (

@@ -1,6 +1,6 @@
 """Record policies, once or twice, and simulate the same."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
@@ -13,7 +13,8 @@ from ..study.compare import CompareSettings
 from ..study.engine.open_engine import open_engine
 from ..study.replays import Place, Replays, make_bench
 from ..study.runs import Progress, choose_draws
-from .recordings import Recorded, RecordOptions, open_recorder
+from .record_options import RecordOptions
+from .recordings import Recorded, open_recorder
 from .validate import Measured, Simulated, Simulation
 
 
@@ -31,11 +32,13 @@ def record_all(
     settings: RecordOptions,
     passes: int,
     progress: Progress | None = None,
+    on_recorded: Callable[[str, int, Recorded], None] | None = None,
 ) -> dict[str, list[Recorded]]:
     """Return recordings by label.
 
     All policies are recorded before the first is recorded again, so that the second recordings
-    tell how the machine differs from itself some minutes later.
+    tell how the machine differs from itself some minutes later.  `on_recorded` is called with the
+    label, the pass and the recording as each ends, so that one that fails later loses nothing.
 
     Raises
     ------
@@ -51,9 +54,10 @@ def record_all(
             for place, label in enumerate(labels):
                 done = again * len(labels) + place
                 share = None if progress is None else _share(progress, done, passes * len(labels))
-                found[label].append(
-                    recorder.record(label, trace, hardware, options, progress=share)
-                )
+                recorded = recorder.record(label, trace, hardware, options, progress=share)
+                found[label].append(recorded)
+                if on_recorded is not None:
+                    on_recorded(label, again, recorded)
     return found
 
 
