@@ -58,6 +58,15 @@ class Design:
             mean += np.maximum(geometry, scaled[:, -1:] * self.columns[-1])
         return mean
 
+    def slopes(self, scaled: FloatArray) -> FloatArray:
+        """Return by how much times grow with each of K scaled coefficients, (K,) to (K, n)."""
+        if self.linear:
+            return self.columns
+        k = self.additive
+        pixels = scaled[-1] * self.columns[-1] > scaled[k:-1] @ self.columns[k:-1]
+        larger = np.vstack([np.broadcast_to(~pixels, self.columns[k:-1].shape), pixels])
+        return np.vstack([self.columns[:k], self.columns[k:] * larger])
+
     def rows(self, which: BoolArray | NDArray[np.int64]) -> "Design":
         """Return the design of some of the frames, in the same units."""
         return Design(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .assessment.dependence import frame_worth
+from .assessment.dependence import stretch_of
 from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
 from .fit_frames import Sample
@@ -58,6 +58,12 @@ class Estimate:
         return "every frame"
 
     @property
+    def rows_worth(self) -> float:
+        """Independent frames that would tell as much of the mean frame's cost."""
+        stretch = self.posterior.stretch
+        return len(self.sample) * (1.0 if stretch is None else stretch.worth)
+
+    @property
     def coefficients_ms(self) -> FloatArray:
         """Coefficients in milliseconds per unit of their predictors, (S, K), of all samples."""
         return self.chain.flat[:, : len(self.design.names)] / self.design.unit
@@ -95,8 +101,8 @@ def posterior_of(
         whole = LogPosterior(likelihood_of(design, sample.time_ms), priors)
         posterior = quadratic(whole, center)
         center = highest(posterior, [center])
-    worth = frame_worth(sample, design, center, posterior.likelihood)
-    posterior = LogPosterior(posterior.likelihood, priors, worth)
+    stretch = stretch_of(sample, design, center, posterior.likelihood)
+    posterior = LogPosterior(posterior.likelihood, priors, stretch)
     return design, posterior, highest(posterior, [center])
 
 

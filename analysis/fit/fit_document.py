@@ -28,7 +28,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "rows_rejected": sum(rejection.count for rejection in fit.rejected),
         "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
         "likelihood": estimate.likelihood_is,
-        "rows_worth": estimate.posterior.worth * len(estimate.sample),
+        "rows_worth": estimate.rows_worth,
         "lag_frames": list(fit.lags),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {

@@ -109,7 +109,7 @@ def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance
     method = (
         f"emcee: posterior means of {fit.target} on {', '.join(map(str, estimate.terms))}, "
         f"{fit.options.model}, {len(estimate.sample)} frames worth "
-        f"{estimate.posterior.worth * len(estimate.sample):.0f} independent ones{rest}"
+        f"{estimate.rows_worth:.0f} independent ones{rest}"
     )
     return Provenance(
         source="; ".join(map(_described, fit.sources)),

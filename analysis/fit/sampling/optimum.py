@@ -102,7 +102,7 @@ def quadratic(posterior: LogPosterior, start: FloatArray) -> LogPosterior:
     for _ in range(_ROUNDS):
         about = expand(whole, center, whole.low, whole.high)
         surrogate = QuadraticLikelihood(whole.names, whole.low, whole.high, about)
-        result = LogPosterior(surrogate, posterior.priors, posterior.worth)
+        result = LogPosterior(surrogate, posterior.priors)
         center = highest(result, [center])
     return result
 
