@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .assessment.dependence import stretch_of
+from .assessment.dependence import Frames, dependence
 from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
 from .fit_frames import Sample
@@ -24,6 +24,7 @@ from .sampling.posterior import LogPosterior
 from .sampling.priors import Priors
 from .sampling.sampler import Chain, Progress, SamplerOptions
 from .sampling.sampler import sample as sample_chain
+from .sampling.stretch import Stretch
 from .terms import Term
 
 Model = Literal["student-t", "gaussian"]
@@ -61,7 +62,7 @@ class Estimate:
     def rows_worth(self) -> float:
         """Independent frames that would tell as much of the mean frame's cost."""
         stretch = self.posterior.stretch
-        return len(self.sample) * (1.0 if stretch is None else stretch.worth)
+        return len(self.sample) * (1.0 if stretch is None else 1.0 / float(stretch.found.times[0]))
 
     @property
     def coefficients_ms(self) -> FloatArray:
@@ -101,9 +102,19 @@ def posterior_of(
         whole = LogPosterior(likelihood_of(design, sample.time_ms), priors)
         posterior = quadratic(whole, center)
         center = highest(posterior, [center])
-    stretch = stretch_of(sample, design, center, posterior.likelihood)
+    found = dependence(_frames(sample, design, center, posterior.likelihood))
+    stretch = Stretch.of(found, center, posterior.likelihood)
     posterior = LogPosterior(posterior.likelihood, priors, stretch)
     return design, posterior, highest(posterior, [center])
+
+
+def _frames(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> Frames:
+    """Return a sample about the optimum of its likelihood."""
+    draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
+    mean, scale = (moment[0] for moment in draws.moments(design))
+    slopes = design.slopes(theta[: len(design.names)])
+    dof = None if "inverse_dof" not in likelihood.names else float(draws.dof[0])
+    return Frames(slopes, mean, np.asarray(scale), sample.time_ms, sample.series, dof)
 
 
 def estimate(

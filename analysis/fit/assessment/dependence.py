@@ -16,96 +16,111 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....base.arrays import FloatArray
-from ..design import Design
-from ..fit_frames import Sample
-from ..sampling.likelihood import Likelihood
-from ..sampling.stretch import Stretch
-from .posterior_predictive import Draws
-from .slow_error import SlowError, slow_error
+from .slow_error import slow_error
 from .spikes import are_spikes
 
 _LEAST_STIFF = 0.1  # mean curvature of a frame's likelihood; outliers' own is negative
+_STRETCH, _STRETCHES = 10, 30  # frames of a stretch at most, and how many there must be
+_STANDS_OUT = 2.0  # deviations of chance
 _LEAST = 1e-9  # curvature, of the largest, below which a direction is not looked at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Directions:
-    """K or fewer directions of the coefficients in which a likelihood is equally curved.
+class Frames:
+    """Frames about the optimum of a likelihood, in the order in which they were drawn.
+
+    Attributes
+    ----------
+    slopes : (K, n) float64
+        By how much their times grow with each coefficient.
+    mean, scale : (n,) float64
+        Mean time and scale of the noise, ms.
+    time_ms : (n,) float64
+    series : (n,) int64
+        Which log a frame is of; logs err independently of each other.
+    dof : of Student's t, or None where the noise is Gaussian
+    """
+
+    slopes: FloatArray
+    mean: FloatArray
+    scale: FloatArray
+    time_ms: FloatArray
+    series: NDArray[np.int64]
+    dof: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dependence:
+    """What frames tell of K coefficients along k directions in which they are equally stiff.
 
     Attributes
     ----------
     along : (K, k) float64
-        The directions as columns; the mean frame's cost changes along the first alone.
+        The directions as columns; the cost of the mean frame changes along the first alone.
     across : (k, K) float64
         What takes coefficients to their places along each.
-    scores : (n, k) float64
-        Slopes of each frame's log-likelihood along them; of mean square 1 if the model is true.
+    times : (k,) float64
+        Variance along each over that of as many independent frames of a true model, at least 1.
+    dof : degrees of freedom of the t that a place along a direction is distributed as
+    rise : share by which frames without spikes take longer than the optimum says
     """
 
     along: FloatArray
     across: FloatArray
-    scores: FloatArray
+    times: FloatArray
+    dof: float
+    rise: float
 
 
-def directions(columns: FloatArray, pull: FloatArray, stiffness: float) -> Directions:
-    """Return the directions of a likelihood at its optimum.
+def dependence(frames: Frames) -> Dependence:
+    """Return what frames tell, if they err alike for a while.
 
-    Parameters
-    ----------
-    columns
-        (n, K), of the design, over each frame's scale.
-    pull
-        (n,), slopes of each frame's log density along its scaled mean.
-    stiffness
-        Mean of their own slopes.
+    Student's t has its optimum at the core of the frames.  What a frame takes on average is more
+    where the machine is slow for a while, hence `rise`; spikes are left out of it, since the
+    simulator draws them apart.
     """
-    count = len(pull)
-    values, vectors = np.linalg.eigh(stiffness * columns.T @ columns / count)
+    slopes, mean, series = frames.slopes, frames.mean, frames.series
+    z = (frames.time_ms - mean) / frames.scale
+    pull, stiffness = _pulls(z, frames.dof)
+    columns = (slopes / frames.scale).T
+    along, across = _directions(columns, stiffness, slopes.mean(axis=1))
+    scores: FloatArray = (columns * pull[:, np.newaxis]) @ along
+    away, rise = frames.time_ms - mean, 0.0
+    if frames.dof is not None:
+        away = _without_spikes(away, mean, series)
+        rise = float(away.mean() / mean.mean())
+    # Errors as they are, and over the frame's time: a model's are of any size in any frame, a slow
+    # machine's are in proportion, and their order drowns in that of long frames.  The worst counts.
+    size = 1.0 / float(slopes.mean(axis=1) @ along[:, 0])
+    seen = (
+        away,
+        _unexplained(away, slopes.T, series),
+        _unexplained(away / mean, (slopes / mean).T, series) * mean.mean(),
+    )
+    times, dof = max(_over_logs(size * one, series) for one in seen)
+    others = [_over_logs(column, series, dof)[0] for column in scores.T[1:]]
+    return Dependence(along, across, np.maximum([times, *others], 1.0), dof, rise)
+
+
+def _pulls(z: FloatArray, dof: float | None) -> tuple[FloatArray, float]:
+    """Return slopes of the log density at scaled residuals, and the mean of their own slopes."""
+    if dof is None:
+        return z, 1.0
+    pull = (dof + 1.0) * z / (dof + z**2)
+    curvature: FloatArray = (dof + 1.0) * (dof - z**2) / (dof + z**2) ** 2
+    return pull, max(float(curvature.mean()), _LEAST_STIFF)
+
+
+def _directions(
+    columns: FloatArray, stiffness: float, mean_frame: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return directions of equal curvature, (K, k), and their inverse, (k, K)."""
+    values, vectors = np.linalg.eigh(stiffness * columns.T @ columns / len(columns))
     good = values > _LEAST * values.max()
     root = np.sqrt(values[good])
     along: FloatArray = vectors[:, good] / root
-    across: FloatArray = (vectors[:, good] * root).T
-    # All columns have the mean 1, so that the mean frame's cost is the sum of the coefficients.
-    turned, _ = np.linalg.qr(np.column_stack([along.sum(axis=0), np.eye(len(root))]))
-    along, across = along @ turned, turned.T @ across
-    return Directions(along, across, (columns * pull[:, np.newaxis]) @ along)
-
-
-def stretch_of(
-    sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood
-) -> Stretch:
-    """Return how the likelihood of a sample is to be stretched about its optimum, `theta`.
-
-    Student's t has its optimum at the core of the frames.  What a frame takes on average is more
-    where the machine is slow for a while, so the posterior is moved to the mean of all frames that
-    are no spikes; those the simulator draws apart.
-    """
-    draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
-    mean, scale = (moment[0] for moment in draws.moments(design))
-    dof = 1.0 / theta[-1] if likelihood.names[-1] == "inverse_dof" else None
-    pull, stiffness = pulls((sample.time_ms - mean) / scale, dof)
-    found = directions((design.columns / scale).T, pull, stiffness)
-    width, whole = len(design.names), len(theta)
-    moved = theta.copy()
-    away = sample.time_ms - mean
-    if dof is not None:
-        away = _without_spikes(away, mean, sample.series)
-        moved[:width] *= 1.0 + float(away.mean() / mean.mean())
-    # Errors as they are, and over the frame's time: a model's are of any size in any frame, a slow
-    # machine's are in proportion, and their order drowns in that of long frames.  The larger counts.
-    size = 1.0 / float(found.along[:, 0].sum())
-    relative = _unexplained(away / mean, (design.columns[1:] / mean).T, sample.series)
-    seen = [away * size, relative * size * mean.mean()]
-    times, tail = max(
-        [_over_logs(np.column_stack([one, found.scores[:, 1:]]), sample.series) for one in seen],
-        key=lambda found: found[0][0],
-    )
-    shrink = np.eye(whole) / np.sqrt(times.mean())
-    beyond = np.eye(width) - found.along @ found.across
-    shrink[:width, :width] = (found.along / np.sqrt(times)) @ found.across + beyond
-    covariance: FloatArray = (found.along * times) @ found.along.T / len(sample)
-    value = float(likelihood(theta[np.newaxis])[0])
-    return Stretch(theta, moved, value, shrink, tail, times, covariance)
+    turned, _ = np.linalg.qr(np.column_stack([mean_frame @ along, np.eye(len(root))]))
+    return along @ turned, turned.T @ (vectors[:, good] * root).T
 
 
 def _without_spikes(away: FloatArray, mean: FloatArray, series: NDArray[np.int64]) -> FloatArray:
@@ -118,53 +133,44 @@ def _without_spikes(away: FloatArray, mean: FloatArray, series: NDArray[np.int64
     return away
 
 
-def _unexplained(
-    relative: FloatArray, columns: FloatArray, series: NDArray[np.int64]
-) -> FloatArray:
-    """Return relative residuals with what columns that change as slowly took of them, (n,).
+def _unexplained(errors: FloatArray, columns: FloatArray, series: NDArray[np.int64]) -> FloatArray:
+    """Return errors, (n,), with what columns, (n, K), that change as slowly took of them.
 
     A fit to frames whose predictors are slow follows the machine's slow states by chance; a fit to
-    their steps does not.
+    the steps between stretches of frames does not.
     """
-    within = np.flatnonzero(series[1:] == series[:-1])
-    before, after = relative[within], relative[within + 1]
-    kept = max(0.0, float(before @ after / (relative @ relative)))
-    steps = columns[within + 1] - kept * columns[within]
-    rise = after - kept * before
-    if len(within) <= 2 * steps.shape[1]:
-        return relative
+    size = min(_STRETCH, len(errors) // _STRETCHES)
+    if size < 1:
+        return errors
+    whole = len(errors) // size * size
+    steps = np.column_stack([columns, errors])[:whole].reshape(-1, size, columns.shape[1] + 1)
+    steps = steps.mean(axis=1)
+    of_log = series[:whole:size]
+    within = np.flatnonzero(of_log[1:] == of_log[:-1])
+    before, after = steps[within], steps[within + 1]
+    kept = float(before[:, -1] @ after[:, -1] / (before[:, -1] @ before[:, -1] + 1e-300))
+    if kept < _STANDS_OUT / np.sqrt(len(within)):
+        return errors
+    steps = after - kept * before
+    steps -= steps.mean(axis=0)
     solve: Any = np.linalg.lstsq
-    slopes: FloatArray = solve(steps - steps.mean(axis=0), rise - rise.mean(), rcond=1e-9)[0]
-    return relative - columns @ slopes
+    slopes: FloatArray = solve(steps[:, :-1], steps[:, -1], rcond=1e-9)[0]
+    return errors - columns @ slopes
 
 
-def pulls(z: FloatArray, dof: float | None) -> tuple[FloatArray, float]:
-    """Return slopes of the log density at scaled residuals, and the mean of their own slopes.
-
-    Of a normal distribution where `dof` is None, else of Student's t.
-    """
-    if dof is None:
-        return z, 1.0
-    pull = (dof + 1.0) * z / (dof + z**2)
-    curvature: FloatArray = (dof + 1.0) * (dof - z**2) / (dof + z**2) ** 2
-    return pull, max(float(curvature.mean()), _LEAST_STIFF)
-
-
-def _over_logs(scores: FloatArray, series: NDArray[np.int64]) -> tuple[FloatArray, float]:
-    """Return by how much the variance along each direction is larger, (k,), and the t's dof.
-
-    Logs are independent of each other; their parts in the variance are those of their frames.
-    """
+def _over_logs(
+    scores: FloatArray, series: NDArray[np.int64], dof: float | None = None
+) -> tuple[float, float]:
+    """Return the variance of a mean of scores over that of n of mean square 1, and the t's dof."""
     parts = [scores[series == log] for log in np.unique(series)]
-    first = [slow_error(part[:, 0]) for part in parts]
-    variance = np.array([part[:, 0].var() * len(part) for part in parts])
-    slow = variance * np.array([error.times for error in first])
+    errors = [slow_error(part, dof) for part in parts]
+    variance = np.array(
+        [
+            float(part.var()) * error.times * len(part) / len(scores)
+            for part, error in zip(parts, errors, strict=True)
+        ]
+    )
     # Satterthwaite: a sum of independent parts is as sure as the largest of them, or surer.
-    dof = float(slow.sum() ** 2 / np.sum(slow**2 / np.array([error.dof for error in first])))
-    times = np.zeros(scores.shape[1])
-    for place in range(scores.shape[1]):
-        for part in parts:
-            column = part[:, place]
-            error: SlowError = slow_error(column, dof)
-            times[place] += float(column.var()) * error.times * len(part) / len(scores)
-    return np.maximum(times, 1.0), dof
+    each = np.array([error.dof for error in errors])
+    total = float(variance.sum())
+    return total, total**2 / float(np.sum(variance**2 / each) + 1e-300)
