@@ -48,6 +48,11 @@ class Frames:
     series: NDArray[np.int64]
     dof: float | None
 
+    def rows(self, which: NDArray[np.int64]) -> "Frames":
+        """Return some of the frames."""
+        one = (self.mean[which], self.scale[which], self.time_ms[which], self.series[which])
+        return Frames(self.slopes[:, which], *one, self.dof)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dependence:

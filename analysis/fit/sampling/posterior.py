@@ -34,8 +34,8 @@ class LogPosterior:
         theta = theta[inside]
         at = likelihood.names.index("log_scale")
         density = priors.log_coefficients(theta[:, :at]) + priors.log_scale(theta[:, at])
-        if likelihood.names[-1] == "inverse_dof":
-            density += priors.log_inverse_dof(theta[:, -1])
+        if "inverse_dof" in likelihood.names:
+            density += priors.log_inverse_dof(theta[:, likelihood.names.index("inverse_dof")])
         if self.stretch is None:
             result[inside] = density + likelihood(theta)
         else:
