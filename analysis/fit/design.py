@@ -85,6 +85,8 @@ def design_of(sample: Sample, terms: Sequence[Term], unit: FloatArray | None = N
     for term in terms:
         if term.kind == "roofline":
             roofline = {ROOFLINE + name: sample.column(name) for name in term.predictors}
+        elif term.kind == "knee":
+            additive[str(term)] = np.maximum(sample.column(term.predictors[0]) - term.at, 0.0)
         else:
             factors = [sample.column(name) for name in term.predictors]
             additive[str(term)] = np.prod(factors, axis=0)
