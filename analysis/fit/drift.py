@@ -30,12 +30,6 @@ class Drift:
     range_pct: float
     second_half_pct: float
 
-    def __str__(self) -> str:
-        return (
-            f"{self.log}: the machine's speed moved by {self.range_pct:.1f} % (5 to 95 %; second "
-            f"half over first {self.second_half_pct:+.1f} %), by its reference draws; divided out"
-        )
-
 
 def without_drift(log: RenderLog, name: TimeName) -> tuple[RenderLog, Drift | None]:
     """Return a log with a time over the machine's relative slowness, and how it drifted.

@@ -71,7 +71,9 @@ class Estimate:
     @property
     def rows_worth(self) -> float:
         """Independent frames that would tell as much of the mean frame's cost."""
-        stretch = self.posterior.stretch
+        stretch, likelihood = self.posterior.stretch, self.posterior.likelihood
+        if isinstance(likelihood, BetweenLogs):
+            return len(self.sample) * likelihood.worth
         return len(self.sample) * (1.0 if stretch is None else 1.0 / float(stretch.found.times[0]))
 
     @property

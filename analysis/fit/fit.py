@@ -101,6 +101,7 @@ class Fit:
         Error on each of three or more logs when it was held out.
     cpu : Fit or None
         The fit of the CPU's time in the same logs, where the target is the GPU's.
+    cpu_note : why there is none, where the logs have a time of the CPU
     """
 
     sources: tuple[Source, ...]
@@ -121,6 +122,7 @@ class Fit:
     drifts: tuple[Drift, ...] = ()
     heldout_logs: HeldOut | None = None
     cpu: "Fit | None" = None
+    cpu_note: str = ""
 
     @property
     def unfit(self) -> str:
@@ -196,6 +198,7 @@ def fit_logs(
     sources = [replace(source, log=log) for source, log in zip(sources, logs, strict=True)]
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
     kept = None if resume is None else (resume, _identity(sample, terms, options))
+    cpu, cpu_note = _cpu(sources, target, options)
     model, sampler = options.model, options.sampler
     sampled = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
     held = held_logs = None
@@ -232,7 +235,23 @@ def fit_logs(
         lag_explains,
         tuple(drift for _, drift in steadied if drift is not None),
         held_logs,
+        cpu,
+        cpu_note,
     )
+
+
+def _cpu(
+    sources: Sequence[Source], target: TimeName, options: FitOptions
+) -> tuple[Fit | None, str]:
+    """Return the fit of the CPU's time of the same frames, or why there is none."""
+    if target == "cpu_ms" or any(source.log.cpu_ms is None for source in sources):
+        return None, ""
+    if target == "frame_ms":
+        return None, "cpu_ms is a part of frame_ms here and not charged apart: the CPU costs 0"
+    try:
+        return fit_logs(sources, "cpu_ms", replace(options, terms=AUTO)), ""
+    except InputError as error:
+        return None, f"the CPU costs 0: {error}"
 
 
 def target_of(log: RenderLog) -> TimeName:
@@ -284,7 +303,7 @@ def _terms_and_frames(
         return terms, *gather(logs, predictors_of(terms), target, options.first_frames), ()
     names = candidate_predictors(logs, target)
     sample, _ = gather(logs, names, target, options.first_frames)
-    terms, candidates = choose_terms(sample)
+    terms, candidates = choose_terms(sample, target)
     return terms, *gather(logs, predictors_of(terms), target, options.first_frames), candidates
 
 

@@ -13,11 +13,15 @@ _FEWEST = 30
 
 def are_spikes(residual: FloatArray) -> BoolArray:
     """Return which of n successive residuals are spikes, (n,); none of a few frames."""
-    from scipy.ndimage import median_filter
-
     if len(residual) < _FEWEST:
         return np.zeros(len(residual), dtype=np.bool_)
+    nearby, limit = beside_neighbours(residual)
+    return residual - nearby > limit
+
+
+def beside_neighbours(residual: FloatArray) -> tuple[FloatArray, float]:
+    """Return the median of each residual's neighbours, (n,), and from where on one is a spike."""
+    from scipy.ndimage import median_filter
+
     nearby: Any = median_filter(residual, _NEIGHBOURS, mode="nearest")
-    away: FloatArray = residual - nearby
-    deviation = 1.4826 * float(np.median(np.abs(away)))
-    return away > _OUT * deviation
+    return nearby, _OUT * 1.4826 * float(np.median(np.abs(residual - nearby)))

@@ -97,7 +97,7 @@ class BetweenLogs:
         self.names = (*names, *noise.names, *levels.names)
         self.low = np.concatenate([np.zeros(width), noise.low, np.full(spreads, _LEAST)])
         self.high = np.concatenate([np.full(width, np.inf), noise.high, np.full(spreads, _MOST)])
-        self._noise, self._worth, self._width, self._spreads = noise, worth, width, spreads
+        self._noise, self.worth, self._width, self._spreads = noise, worth, width, spreads
         self._rows = np.vstack([log.rows for log in logs])
         self._values = np.concatenate([log.values for log in logs])
         effects, self._spread_of = _effects(logs, levels, names)
@@ -112,7 +112,7 @@ class BetweenLogs:
         noise = theta[:, self._width : len(self.names) - self._spreads]
         of_noise = self._noise(noise)
         priors = -0.5 * (_DOF + 1.0) * np.log1p((spread / self._scales()) ** 2 / _DOF)
-        return self._worth * of_noise + priors.sum(axis=1) + self._of_logs(scaled, spread)
+        return self.worth * of_noise + priors.sum(axis=1) + self._of_logs(scaled, spread)
 
     def _scales(self) -> FloatArray:
         names = self.names[len(self.names) - self._spreads :]
