@@ -36,7 +36,7 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "visible", f"from {comparison.visible:g} px on; margin {comparison.margin:.0%}"
     yield "seed", f"{comparison.seed}, {counted(s.seeds, 'seed')} a path"
     yield "tuning", s.tuned_on
-    draws = f", {counted(s.draws, 'posterior draw')} of the cost model" if s.draws else ""
+    draws = f", {counted(s.draws, 'draw')} of the machine" if s.draws else ""
     yield "intervals", f"{s.level:.0%}, {comparison.population}{draws}"
     yield "made by", f"lodbench {made.version}, code {made.code[:12]}"
     for name, digest in made.hashes.items():
