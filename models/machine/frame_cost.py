@@ -19,6 +19,7 @@ from .picture_units import InPicture
 from .price import Load, Price
 
 _SHADED_SAMPLES = GPU_PREDICTORS.index("shaded_samples")
+_LEVEL_COLUMN = {name: at for at, name in enumerate(LEVEL_PREDICTORS)}
 
 
 class _Term(NamedTuple):
@@ -47,7 +48,8 @@ class FrameCost:
     linear_in_detail : bool
         Whether no term of the view depends on the level.
     level_by_level : bool
-        Whether what a level adds to a frame is the same wherever it is in the picture.
+        Whether what a level adds to a frame is the same wherever it is in the picture, and
+        whatever else is in it.
     """
 
     def __init__(self, model: CostModel, levels: LevelTable) -> None:
@@ -65,7 +67,9 @@ class FrameCost:
             for name, term in VIEW_TERMS.items()
         ]
         self._charged = [term for term in terms if term.unit_ms]
-        counted = [term for term in terms if term.unit_ms or term.term.logged_free]
+        # Of a knee that costs nothing, too: a draw's frames are counted as the profile's are.
+        kneed = {knee.predictor for knee in model.knees}
+        counted = [t for t in terms if t.unit_ms or t.term.logged_free or t.name in kneed]
         self._of_levels = [term for term in counted if term.columns]
         self._of_no_level = [term for term in counted if not term.columns]
         self._uncounted = dict.fromkeys(VIEW_TERMS.keys() - {t.name for t in counted}, np.nan)
@@ -85,7 +89,9 @@ class FrameCost:
         self._last_shape = FrameShape(math.nan, 0)
         self._last_units: dict[str, float] = {}
         self.linear_in_detail = not any(term.columns for term in self._charged)
-        self.level_by_level = self.linear_in_detail and not self._has_roofline
+        self.level_by_level = (
+            self.linear_in_detail and not self._has_roofline and not self.model.knees
+        )
 
     def _column(self, predictor: str) -> FloatArray:
         return np.ascontiguousarray(self.levels.counts[:, LEVEL_PREDICTORS.index(predictor)])
@@ -140,6 +146,9 @@ class FrameCost:
             ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
         for name, each_ms in self._of_changes:
             ms += each_ms * counts[name]
+        for knee in self.model.knees:
+            at = _LEVEL_COLUMN.get(knee.predictor)
+            ms += knee.frame_ms(counts[knee.predictor] if at is None else load.counts[at])
         return Price(ms, load, counts, terms_ms)
 
     def finest_ms(self, price: Price) -> float:
@@ -187,7 +196,10 @@ class FrameCost:
         fraction: FloatArray | None = None,
         pixel_share: float = 1.0,
     ) -> FloatArray:
-        """Return the marginal cost of objects: (m,), or (m, L) for L rows of each object."""
+        """Return the marginal cost of objects: (m,), or (m, L) for L rows of each object.
+
+        Knees are left out: what an object costs beyond one depends on all others of the frame.
+        """
         picture = InPicture(seen, pixel_share, beside=row.ndim == 2)
         ms = self._at(self.level_ms, row, fraction)
         for term in self._charged:
