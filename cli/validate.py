@@ -1,9 +1,9 @@
 """`lodbench validate`: record policies on a real renderer, simulate the same, and compare."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from typer import Option
+from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
 from .record import parse_size
@@ -16,6 +16,11 @@ from .shared.terminal import (
     table_console,
 )
 
+if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
+    from ..analysis.validation.run_cases import CaseInputs
+    from ..analysis.validation.study_file import CaseSpec
+    from ..models.machine.hardware import HardwareProfile
+
 POLICIES = (
     "full",
     "static-distance",
@@ -27,13 +32,26 @@ POLICIES = (
 )
 """Policies of different kinds: none, by distance, by size, from measured times, from a model."""
 
+TREE_POLICIES = ("cluster-cut", "erikson", "maciel", "mason-blake", "zach")
+"""The same of scenes that are trees."""
+
 _FIRST_S = 10.0
 
-
+StudyFile = Annotated[
+    Path | None,
+    Argument(
+        metavar="[STUDY.toml]",
+        help="Several paths in one validation: [[case]] with scene, trace, and budget_ms, seconds, "
+        "place, fovy_deg and policies where they differ from the options.",
+    ),
+]
 Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]
 Policies = Annotated[
     list[str] | None,
-    Option(help=f"{options.POLICY_HELP}; may be repeated.  Without it, {', '.join(POLICIES)}."),
+    Option(
+        help=f"{options.POLICY_HELP}; may be repeated.  Without it, {', '.join(POLICIES)}; in a "
+        f"scene that is a tree, {', '.join(TREE_POLICIES)}."
+    ),
 ]
 RecordedIn = Annotated[
     Path | None,
@@ -46,7 +64,9 @@ RecordedIn = Annotated[
 Out = Annotated[
     Path | None,
     Option(
-        metavar="DIR", help="Write report.html, validation.json, and logs recorded and simulated."
+        metavar="DIR",
+        help="Write report.html, validation.json, and logs recorded and simulated.  Recordings "
+        "stand in DIR.recordings as each ends, until all is done.",
     ),
 ]
 Size = Annotated[str | None, Option(help="WIDTHxHEIGHT of the picture; else the profile's.")]
@@ -57,10 +77,14 @@ Seconds = Annotated[
 Passes = Annotated[
     int, Option(help="Recordings of each policy; a second shows the machine's own noise.")
 ]
+Replicates = Annotated[
+    int, Option(help="Simulated recordings of each policy, by which intervals are made.")
+]
 NoiseSeed = Annotated[int, Option(help="Seed of the simulated noise.")]
 
 
 def validate(
+    study: StudyFile = None,
     *,
     scene: options.SceneWithMeshes = "market",
     trace: options.Trace = "drive",
@@ -70,11 +94,12 @@ def validate(
     out: Out = None,
     budget_ms: options.BudgetMs = None,
     size: Size = None,
+    fovy_deg: options.FovyDeg = 60.0,
     seconds: Seconds = None,
     passes: Passes = 2,
     repeats: options.Repeats = 3,
     warmup_s: options.Warmup = 1.0,
-    draws: options.Draws = 16,
+    replicates: Replicates = 40,
     workers: options.Workers = 0,
     scheduler: options.Scheduler = None,
     policy_timeout: options.PolicyTimeout = 60.0,
@@ -86,86 +111,96 @@ def validate(
     place: options.Place = "shrink",
     as_json: options.AsJson = False,
 ) -> None:
-    """Compare simulated with measured: errors of frame times, metrics, and order of policies."""
-    from ..analysis.metrics.measured_frames import require_window
+    """Compare simulated with measured: frame times, metrics, verdict, and order of policies."""
     from ..analysis.study.compare import CompareSettings
     from ..analysis.study.engine.limits import make_limits
-    from ..analysis.study.inputs import load_trace, parse_seconds
-    from ..analysis.validation import replays
-    from ..analysis.validation.recordings import RecordOptions, conditions, require_recordable
-    from ..analysis.validation.validate import Pair, require_other_frames, require_priced
-    from ..analysis.validation.validate import validate as compare_sides
+    from ..analysis.validation.recording_folder import find_recordings
+    from ..analysis.validation.recordings import RecordOptions
+    from ..analysis.validation.replays import require_passes
+    from ..analysis.validation.replicates import require_replicates
+    from ..analysis.validation.run_cases import Source, carry_out
+    from ..analysis.validation.shown.tables import print_validation
+    from ..analysis.validation.study_file import CaseSpec, read_cases
+    from ..analysis.validation.validate import require_priced
     from ..analysis.validation.validation_folder import (
         claimed_validation,
-        read_recordings,
+        recordings_beside,
         write_validation,
     )
-    from ..analysis.validation.validation_table import print_validation
     from ..models.machine.profile_catalog import load_hardware
     from ..render.gl.recorder import recorded_hardware
-    from ..sim.replay import ReplayOptions
 
     limits = make_limits(policy_timeout, policy_memory)
-    labels = list(policy or POLICIES)
-    _check_arguments(labels, out, recorded)
+    require_passes(passes)
+    require_replicates(replicates)
+    _check_outputs(out, recorded)
+    given = CaseSpec(
+        scene, trace, budget_ms, seconds, place, fovy_deg, tuple(policy) if policy else None
+    )
+    specs = [given] if study is None else [case.or_else(given) for case in read_cases(study)]
     with claimed_validation(out):
         profile = load_hardware(hardware)
-        replay = ReplayOptions(budget_ms=profile.budget_ms(budget_ms), seed=seed)
-        own_size = profile.display.width_px, profile.display.height_px
-        profile = recorded_hardware(profile, own_size if size is None else parse_size(size))
-        opened = open_named_scene(scene)
-        whole = load_trace(trace, opened.scene, place)
-        require_other_frames(profile, opened.scene.name, whole.name)
-        path = whole.stretch(
-            *((0.0, min(_FIRST_S, whole.duration_s)) if seconds is None else parse_seconds(seconds))
-        )
-        require_window(warmup_s, path.duration_s)  # before hours of recording
         require_priced(profile)
-        require_recordable(labels, opened.scene)
+        own_size = profile.display.width_px, profile.display.height_px
+        drawn = recorded_hardware(profile, own_size if size is None else parse_size(size))
+        # Before hours of recording, all that can be refused.
+        cases = [_prepare(spec, drawn, seed, warmup_s) for spec in specs]
         scoring = CompareSettings(
-            warmup_s=warmup_s,
-            draws=draws,
-            workers=workers,
-            policy_limits=limits,
-            scheduler=scheduler,
+            warmup_s=warmup_s, workers=workers, policy_limits=limits, scheduler=scheduler
         )
         drawing = RecordOptions(
             backend=backend, instancing=instancing, repeats=repeats, threads=threads
         )
-        if recorded is None:
-            with progress_bar("record", "steps") as progress:
-                recordings = replays.record_all(
-                    labels, opened, path, profile, replay, drawing, passes, progress
-                )
-        else:
-            same = conditions(opened.scene, path, profile, replay)
-            recordings = read_recordings(recorded, labels, same)
-        measured = {
-            label: tuple(map(replays.measured_of, passed)) for label, passed in recordings.items()
-        }
-        with progress_bar("simulate") as progress:
-            simulation = replays.simulate_all(
-                labels, opened.scene, path, profile, replay, scoring, progress
-            )
-        pairs = {label: Pair(measured[label], simulation.policies[label].log) for label in labels}
-        log = {k: v for k, v in recordings[labels[0]][0].header.items() if k != "policy"}
-        validation = compare_sides(simulation, pairs, profile, log)
-        kept = recorded or recordings
-        unwritten = out and failure_of(lambda: write_validation(out, validation, pairs, kept))
+        found = None if recorded is None else find_recordings(recorded)
+        kept = recordings_beside(out) if out is not None and found is None else None
+        source = Source(recorded=found, kept=kept, drawing=drawing, passes=passes)
+        with progress_bar("validate", "steps") as progress:
+            done = carry_out(cases, source, scoring, replicates, progress)
+        unwritten = None
+        if out is not None and (recordings := found or kept) is not None:
+            written = (done.validation, done.names, done.series, recordings)
+            unwritten = failure_of(lambda: write_validation(out, *written))
     if as_json:
-        print_record(validation)
+        print_record(done.validation)
     else:
-        print_validation(validation, table_console(120))
+        print_validation(done.validation, table_console(140))
     if unwritten:
         raise unwritten
     if out is not None and not as_json:
         print(f"report: {out / 'report.html'}")
+    if any(case.failed for case in done.validation.cases):
+        raise Exit(1)
 
 
-def _check_arguments(labels: list[str], out: Path | None, recorded: Path | None) -> None:
-    """Refuse, before the work, what could not be compared or written after it."""
-    if len(set(labels)) < len(labels):
+def _prepare(
+    spec: "CaseSpec", hardware: "HardwareProfile", seed: int, warmup_s: float
+) -> "CaseInputs":
+    """Return a case, loaded and checked; raises `InputError` if it cannot be recorded."""
+    from ..analysis.metrics.measured_frames import require_window
+    from ..analysis.study.inputs import load_trace, parse_seconds
+    from ..analysis.validation.recordings import require_recordable
+    from ..analysis.validation.run_cases import CaseInputs
+    from ..analysis.validation.validate import require_other_frames
+    from ..sim.replay import ReplayOptions
+
+    if spec.policies and len(set(spec.policies)) < len(spec.policies):
         raise InputError("--policy: expected each once, got one twice; name it once")
+    replay = ReplayOptions(
+        budget_ms=hardware.budget_ms(spec.budget_ms), seed=seed, fovy_deg=spec.fovy_deg or 60.0
+    )
+    opened = open_named_scene(spec.scene)
+    whole = load_trace(spec.trace, opened.scene, spec.place or "shrink")
+    require_other_frames(hardware, opened.scene.name, whole.name)
+    first = (0.0, min(_FIRST_S, whole.duration_s))
+    path = whole.stretch(*(first if spec.seconds is None else parse_seconds(spec.seconds)))
+    require_window(warmup_s, path.duration_s)
+    labels = spec.policies or (POLICIES if opened.scene.flat else TREE_POLICIES)
+    require_recordable(labels, opened.scene)
+    return CaseInputs(opened, path, labels, replay, hardware)
+
+
+def _check_outputs(out: Path | None, recorded: Path | None) -> None:
+    """Refuse, before the work, what could not be written after it."""
     if out is None or recorded is None:
         return
     if recorded.absolute() in out.absolute().parents:

@@ -27,6 +27,8 @@ from ..study.score import MISS, Scored
 REPLICATES = 40
 """Of each policy: the least with which both ends of a 90 % interval are two from the extremes."""
 
+_MOST = 10_000
+
 FULL = "full"
 
 
@@ -88,6 +90,15 @@ class Simulation:
     miss: float = MISS
 
 
+def require_replicates(count: int) -> None:
+    """Raise `InputError` if there are too few replicates for an interval of 90 %."""
+    if not REPLICATES <= count <= _MOST:
+        raise InputError(
+            f"--replicates: expected {REPLICATES} to {_MOST}, got {count}; with fewer an interval "
+            "would end at the extremes"
+        )
+
+
 def replicate_places(label: str, draws: Sequence[int], seed: int, count: int) -> list[Place]:
     """Return the replays of one policy: the draws in turn, a seed each, none that of the mean."""
     drawn = [draws[at % len(draws)] if draws else None for at in range(count)]
@@ -104,15 +115,7 @@ def simulate_all(
     replicates: int = REPLICATES,
     progress: Progress | None = None,
 ) -> Simulation:
-    """Simulate policies along a path, each as it is typed, under the mean and many times more.
-
-    Raises `InputError` if there are too few replicates for an interval.
-    """
-    if replicates < REPLICATES:
-        raise InputError(
-            f"--replicates: expected {REPLICATES} or more, got {replicates}; with fewer an "
-            "interval would end at the extremes"
-        )
+    """Simulate policies along a path, each as it is typed, under the mean and many times more."""
     every = list(dict.fromkeys((*labels, FULL)))
     bench = make_bench(
         [parse_policy(label) for label in every],

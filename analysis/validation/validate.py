@@ -36,7 +36,14 @@ from .recorded_frames import (
     usual_reference_ms,
 )
 from .replicates import Simulated, Simulation
-from .validation_result import Case, Decision, PolicyValidation, Pooled, Validation
+from .validation_result import (
+    Case,
+    Decision,
+    DetailError,
+    PolicyValidation,
+    Pooled,
+    Validation,
+)
 
 UNRECORDED = ("splats", "texture_bytes")
 """GPU predictors that a recording does not count."""
@@ -132,9 +139,7 @@ def judge_case(
         _result(label, item, simulation, leading, deep) for label, item in policies.items()
     )
     errors = tuple(item.errors for item in policies.values())
-    corrected = tuple(
-        item.corrected for item in policies.values() if item.corrected is not None
-    )
+    corrected = tuple(item.corrected for item in policies.values() if item.corrected is not None)
     pairs = _pairs(list(policies.values()))
     case = Case(
         scene=simulation.scene,
@@ -279,7 +284,7 @@ def _result(
     )
 
 
-def _detail(item: _Policy, full: FrameLog | None):
+def _detail(item: _Policy, full: FrameLog | None) -> DetailError | None:
     """Return how the error goes with detail: triangles drawn over all of them at that moment."""
     if full is None:
         return None

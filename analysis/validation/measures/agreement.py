@@ -77,9 +77,7 @@ def agree(
             and not (inside and low == high)
         )
         middle = float(np.median(known)) if known else None
-        found[metric.id] = Agreement(
-            value, again, middle, low, high, inside, counted, metric.unit
-        )
+        found[metric.id] = Agreement(value, again, middle, low, high, inside, counted, metric.unit)
     return found
 
 
@@ -91,7 +89,7 @@ def share_inside(policies: Iterable[PolicyValidation]) -> Inside:
             if item.counted:
                 inside, of = by_metric.get(name, (0, 0))
                 by_metric[name] = inside + bool(item.inside), of + 1
-    inside, of = (sum(column) for column in zip(*by_metric.values(), strict=True)) if (
-        by_metric
-    ) else (0, 0)
+    inside, of = (
+        (sum(column) for column in zip(*by_metric.values(), strict=True)) if (by_metric) else (0, 0)
+    )
     return Inside(inside, of, by_metric)

@@ -24,7 +24,9 @@ FAR = 0.25
 def decide(yes: BoolArray, measured: BoolArray) -> Decision:
     """Return how a question is decided by R replicates, (R,), and by the recordings, (1 or 2,)."""
     probability = float(yes.mean())
-    decided = "yes" if probability >= SURE else "no" if probability <= 1.0 - SURE else "undecided"
+    count = len(yes)
+    most, least = round(SURE * count, 9), round((1.0 - SURE) * count, 9)
+    decided = "yes" if yes.sum() >= most else "no" if yes.sum() <= least else "undecided"
     found = bool(measured[0]) if (measured == measured[0]).all() else None
     open_ = decided == "undecided" or found is None
     return Decision(probability, decided, found, None if open_ else (decided == "yes") == found)
@@ -62,9 +64,7 @@ def first_of(left: FloatArray, judged_ms: FloatArray) -> list[int]:
     return np.where(left > 0.0, judged_ms, np.inf).argmin(axis=0).tolist()
 
 
-def count_decided(
-    decisions: Iterable[tuple[Decision, float]], far: float = FAR
-) -> Decided:
+def count_decided(decisions: Iterable[tuple[Decision, float]], far: float = FAR) -> Decided:
     """Return how many decisions agree.
 
     Parameters

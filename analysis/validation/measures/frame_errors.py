@@ -100,7 +100,10 @@ def detail_error(errors: FrameErrors, share: FloatArray) -> DetailError | None:
     low, high = np.quantile(share, (0.05, 0.95)).tolist()
     order = np.argsort(share, kind="stable")
     a, b, c, d = (float(part.mean()) for part in np.array_split(error[order], 4))
-    slope = float(np.polyfit(share, error, 1)[0]) if high - low > _LEAST_SPREAD else None
+    slope = None
+    if high - low > _LEAST_SPREAD:
+        off = share - share.mean()
+        slope = float((off * error).sum() / (off**2).sum())
     return DetailError((low, high), slope, (a, b, c, d))
 
 

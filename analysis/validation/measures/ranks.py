@@ -61,12 +61,13 @@ def compare_pairs(measured: FloatArray, replicates: FloatArray) -> Pairs | None:
     first, second = np.array(list(combinations(range(count), 2))).T
     means = measured.mean(axis=1)
     difference = means[first] - means[second]
-    apart = np.zeros(len(first), dtype=np.bool_)
+    apart: BoolArray = np.zeros(len(first), dtype=np.bool_)
     again = None
     if passes > 1:
         variance = float((np.diff(measured[:, :2], axis=1) ** 2).mean()) / 2.0  # of one recording
         # The difference of two means of two recordings has this variance too.
-        apart = np.abs(difference) > stdtrit(count, _SURE) * np.sqrt(variance)
+        least = float(stdtrit(count, _SURE)) * variance**0.5
+        apart = np.abs(difference) > least
         again = kendall_tau(measured[:, 0].tolist(), measured[:, 1].tolist())
     simulated = replicates.mean(axis=1)
     return Pairs(

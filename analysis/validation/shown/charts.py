@@ -1,72 +1,100 @@
 """Charts of a validation: both series of every policy, and metric against metric."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..metrics.measured_frames import MeasuredFrames
-from ..report.series import envelope
-from ..report.style import BUDGET, panels, styled
-from .validate import Pair
-from .validation_result import Validation
-from .validation_table import RANKED
+from ....sim.frame_log import FrameLog
+from ...metrics.measured_frames import MeasuredFrames
+from ...report.palette import COLORS, Ink
+from ...report.plots import Axis, Line, Mark, Plot, Plots, Rule, line_of, mark_of, round_step
+from ...report.series import envelope
+from ..answer import case_name
+from ..validation_result import Agreement, Case, Validation
+from .texts import SHOWN
 
-_BUCKETS = 500
-_MEASURED, _AGAIN, _SIMULATED = "#D55E00", "#E69F00", "#0072B2"
-_ROW_PX = 170
+_POINTS, _LEAST_POINTS = 12_000, 40
+"""Points of all lines of a page together: some 10 bytes each."""
+
+MEASURED = Ink(COLORS[1], "solid", "circle", 1, 0)
+AGAIN = Ink(COLORS[4], "dot", "circle", 4, 1)
+SIMULATED = Ink(COLORS[0], "solid", "square", 0, 2)
+_EQUAL = Ink("#888888", "dash", "circle", 6, -1)
+
+Series = Mapping[str, tuple[Sequence[FrameLog], FrameLog]]
+"""By label the recordings of a policy, and the simulated replay."""
 
 
-def series_chart(validation: Validation, pairs: Mapping[str, Pair]) -> Any:
-    """Return frame times along the trace, measured and simulated, one row a policy."""
-    labels = list(pairs)
-    figure = panels(
-        len(labels), 1, shared_xaxes=True, subplot_titles=labels,
-        vertical_spacing=0.3 / (len(labels) + 1),
+def series_plots(case: Case, series: Series, number: int, lines: int) -> Plots:
+    """Return frame times along the path, measured and simulated, one plot a policy.
+
+    Parameters
+    ----------
+    number : of the case on its page
+    lines : of all plots of the page, which share its points
+    """
+    buckets = max(_LEAST_POINTS, _POINTS // max(lines, 1) // 2)
+    plots: list[Plot] = []
+    for at, policy in enumerate(case.policies):
+        measured, simulated = series[policy.label]
+        runs = [
+            (ink, MeasuredFrames(log, *case.window_s))
+            for ink, log in (
+                *zip((MEASURED, AGAIN), measured, strict=False),
+                (SIMULATED, simulated),
+            )
+        ]
+        high = max(float(run.work_ms.max()) for _, run in runs)
+        x = Axis("time of the path, s", *case.window_s)
+        y = Axis("ms", 0.0, 1.05 * max(high, case.budget_ms), parts=3)
+        drawn = [
+            line_of(ink, (x, y), envelope(run.time_s, run.work_ms, buckets)) for ink, run in runs
+        ]
+        below = round(100.0 * y.at(case.budget_ms), 2)
+        budget = Rule(False, below, f"budget {case.budget_ms:.4g} ms")
+        plots.append(
+            Plot(
+                f"series-{number}-{at}", f"{policy.label}: work time of each frame, ms", x, y,
+                drawn, rules=[budget], height_px=130, link=f"case-{number}",
+            )
+        )  # fmt: skip
+    return Plots(plots, zoom=f"case-{number}" if plots else "")
+
+
+def agreement_plots(validation: Validation) -> Plots:
+    """Return simulated against measured values with their intervals, one plot a metric."""
+    return Plots([_agreement_plot(validation, name) for name in SHOWN], beside=True)
+
+
+def _agreement_plot(validation: Validation, name: str) -> Plot:
+    items = [
+        (case, policy.label, policy.metrics[name])
+        for case in validation.cases
+        for policy in case.policies
+        if policy.metrics[name].measured is not None and policy.metrics[name].simulated is not None
+    ]
+    top = max((_highest(item) for _, _, item in items), default=0.0)
+    step = round_step(max(top, 1e-6) / 5.0)
+    end = step * np.ceil(1.02 * max(top, 1e-6) / step)
+    x, y = Axis("measured", 0.0, end), Axis("simulated", 0.0, end)
+    ends = np.array([0.0, end])
+    lines: list[Line] = [line_of(_EQUAL, (x, y), (ends, ends))]
+    marks: list[Mark] = []
+    for case, label, item in items:
+        assert item.measured is not None
+        assert item.simulated is not None
+        ink = AGAIN if item.inside is False else SIMULATED
+        words = f"{label}, {case_name(case)}"
+        marks.append(mark_of(ink, (x, y), item.measured, item.simulated, words))
+        if item.low is not None and item.high is not None:
+            points = np.full(2, item.measured), np.array([item.low, item.high])
+            lines.append(line_of(ink, (x, y), points))
+    return Plot(
+        f"agreement-{name}", name, x, y, lines, marks, height_px=260,
+        caption="Orange: measured outside of the interval.",
     )  # fmt: skip
-    for row, pair in enumerate(pairs.values(), 1):
-        drawn = [(f"measured{' again' * i}", m.frames) for i, m in enumerate(pair.measured)]
-        drawn.append(("simulated", pair.simulated))
-        for name, frames in drawn:
-            run = MeasuredFrames(frames, *validation.window_s)
-            x, y = envelope(run.time_s, run.work_ms, _BUCKETS)
-            color = {"measured": _MEASURED, "simulated": _SIMULATED}.get(name, _AGAIN)
-            figure.add_scatter(
-                x=np.float32(x), y=np.float32(y), row=row, col=1, name=name, legendgroup=name,
-                showlegend=row == 1, mode="lines", line={"color": color, "width": 1.1},
-            )  # fmt: skip
-        figure.add_hline(y=validation.budget_ms, row=row, col=1, line=BUDGET)
-    figure.update_yaxes(rangemode="tozero", title_text="ms")
-    figure.update_xaxes(title_text="time of the trace, s", row=len(labels), col=1)
-    styled(figure, 90 + _ROW_PX * len(labels))
-    figure.update_layout(margin={"t": 60})
-    return figure
 
 
-def agreement_chart(validation: Validation) -> Any:
-    """Return simulated against measured values with their intervals, one panel a metric."""
-    titles: list[str] = list(RANKED)
-    figure = panels(1, len(titles), subplot_titles=titles)
-    for column, name in enumerate(titles, 1):
-        items = [(p.label, p.metrics[name]) for p in validation.policies]
-        known = [(s, i) for s, i in items if i.measured is not None and i.simulated is not None]
-        x = np.array([item.measured for _, item in known], dtype=np.float64)
-        y = np.array([item.simulated for _, item in known], dtype=np.float64)
-        low = np.array([y[k] if i.low is None else i.low for k, (_, i) in enumerate(known)])
-        high = np.array([y[k] if i.high is None else i.high for k, (_, i) in enumerate(known)])
-        figure.add_scatter(
-            x=x, y=y, row=1, col=column, mode="markers", showlegend=False,
-            text=[label for label, _ in known], hovertemplate="%{text}: %{x:.3g}, %{y:.3g}",
-            marker={"color": _SIMULATED, "size": 8},
-            error_y={"type": "data", "symmetric": False, "array": np.maximum(high - y, 0.0),
-                     "arrayminus": np.maximum(y - low, 0.0), "thickness": 1, "width": 3},
-        )  # fmt: skip
-        end = 1.05 * float(max(x.max(initial=0.0), high.max(initial=0.0), 1e-9))
-        figure.add_scatter(
-            x=[0.0, end], y=[0.0, end], row=1, col=column, mode="lines", showlegend=False,
-            hoverinfo="skip", line={"color": BUDGET["color"], "dash": "dash", "width": 1},
-        )  # fmt: skip
-        figure.update_xaxes(title_text="measured", range=(0.0, end), row=1, col=column)
-        figure.update_yaxes(range=(0.0, end), row=1, col=column)
-    figure.update_yaxes(title_text="simulated", row=1, col=1)
-    return styled(figure, 360)
+def _highest(item: Agreement) -> float:
+    known = (item.measured, item.simulated, item.high)
+    return max(value for value in known if value is not None)
