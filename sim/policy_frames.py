@@ -60,9 +60,12 @@ class PolicyFrames:
         streaming = policy.capabilities.loader and not scene.flat
         bound_bytes = options.memory_bytes or hardware.memory_bytes
         self._memory = make_memory(scene, hardware, bound_bytes, streaming=streaming)
-        truth, scatter = hardware.truth(options.draw)
+        truth, residual = hardware.truth(options.draw)
         gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
-        self._machine = machine or SimulatedMachine(hardware, truth, scatter, (gpu, cpu))
+        self._time_ns = 0  # at which the frame began
+        self._machine = machine or SimulatedMachine(
+            hardware, truth, residual, (gpu, cpu), lambda: self._time_ns
+        )
         self._timer = FrameTimer(options.faults, options.measurement_delay, dice)
         self._recorder = FrameRecorder(
             self._scene,
@@ -109,6 +112,7 @@ class PolicyFrames:
             self._beat(frame)
         if frame % _PACE_FRAMES == 0:
             self._check_pace(frame, time_ns)
+        self._time_ns = time_ns
         view = self._show(frame, time_ns)
         selection = self._select(view, self._machine.begin())
         self._previous, self._previous_camera = selection, view.camera

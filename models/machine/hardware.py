@@ -19,6 +19,8 @@ Pacing = Literal["none", "limiter", "just-in-time"]
 MOST_LATENCY = 16
 """Frames of a waitable swapchain at most: DXGI's SetMaximumFrameLatency."""
 
+_SCATTER_DRAWS = 64  # as many as a fit keeps
+
 
 @dataclass(frozen=True, slots=True)
 class Display:
@@ -182,16 +184,31 @@ class HardwareProfile:
         """Return the budget of a frame: the one that was asked for, else one refresh."""
         return 1e3 / self.display.refresh_hz if asked is None else asked
 
+    @property
+    def draws(self) -> int:
+        """How many draws of the machine there are: those of a fit, else some of its scatter."""
+        if self.posterior is not None:
+            return len(self.posterior)
+        return _SCATTER_DRAWS if self.scatter.any else 0
+
     def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
-        """Return the GPU's cost model and scatter: the profile's own, or those of one draw.
+        """Return the GPU's cost model and residual: the profile's own, or those of one draw.
+
+        A draw is a row of the posterior, on one occasion and in one scene of the scatter.
 
         Raises `InputError` if the profile has no such draw.
         """
         if draw is None:
             return self.gpu, self.gpu_residual
-        if self.posterior is None or not 0 <= draw < len(self.posterior):
-            count = 0 if self.posterior is None else len(self.posterior)
-            raise InputError(f"draw: {self.name} has {count} posterior draws, got {draw}")
+        if not 0 <= draw < self.draws:
+            raise InputError(f"draw: {self.name} has {self.draws} draws, got {draw}")
+        model, residual = self._fitted(draw)
+        return (self.scatter.apply(model, draw) if self.scatter.any else model), residual
+
+    def _fitted(self, draw: int) -> tuple[CostModel, Residual]:
+        """Return model and residual of a row of the posterior; without one, the profile's."""
+        if self.posterior is None:
+            return self.gpu, self.gpu_residual
         drawn, knee_ms = self.posterior.roofline_ms, self.posterior.knee_ms
         model = CostModel(
             float(self.posterior.base_ms[draw]),

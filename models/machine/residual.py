@@ -89,6 +89,11 @@ class Residual:
         factors = np.exp(self.scale * z) if self.kind == "lognormal" else 1.0 + self.scale * z
         return np.maximum(factors, self.floor)
 
+    def spikes(self, rng: np.random.Generator, count: int) -> FloatArray:
+        """Return the factors, 1 or more, by which spikes prolong `count` successive frames."""
+        hit = rng.random(count) < self.spike_share
+        return 1.0 + np.where(hit, rng.exponential(self.spike_scale, count), 0.0)
+
 
 def _autoregressive(e: FloatArray, correlation: float) -> FloatArray:
     """Return ``z_0 = e_0, z_k = c · z_(k-1) + sqrt(1 - c²) · e_k``."""
