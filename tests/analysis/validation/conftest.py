@@ -83,6 +83,14 @@ def simulated(lane: Scene, walk: CameraTrace) -> Callable[..., Simulation]:
 
 
 @pytest.fixture(scope="session")
+def simulation(
+    simulated: Callable[..., Simulation], make_machine: Callable[..., HardwareProfile]
+) -> Simulation:
+    """Simulate all policies under the profile, as often as a validation does."""
+    return simulated(make_machine())
+
+
+@pytest.fixture(scope="session")
 def recorded(lane: Scene, walk: CameraTrace) -> Callable[..., dict[str, tuple[Measured, ...]]]:
     """Return what records the policies twice, under draws and seeds that no replicate has."""
 

@@ -29,7 +29,7 @@ def cells(
 
 @pytest.mark.slow
 def test_as_many_are_inside_as_are_said_to_be(
-    simulated: Callable[..., Simulation],
+    simulation: Simulation,
     recorded: Callable[..., dict[str, tuple[Measured, ...]]],
     make_machine: Callable[..., HardwareProfile],
 ) -> None:
@@ -37,7 +37,6 @@ def test_as_many_are_inside_as_are_said_to_be(
 
     With costs twice those of the profile, of which policies know nothing, at most half are.
     """
-    simulation = simulated(make_machine())
     draws = tuple(np.linspace(1, 62, RECORDINGS).astype(int).tolist())
     shares: list[float] = []
     for factor in (1.0, 2.0):

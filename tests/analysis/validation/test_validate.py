@@ -24,6 +24,8 @@ from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.sim.frame_log import FrameLog
 
+pytestmark = pytest.mark.slow
+
 Recordings = dict[str, tuple[Measured, ...]]
 LOG = {"renderer": "none", "resolution": "100x100", "date": "2026-01-01"}
 
@@ -32,12 +34,6 @@ LOG = {"renderer": "none", "resolution": "100x100", "date": "2026-01-01"}
 def profile(make_machine: Callable[..., HardwareProfile]) -> HardwareProfile:
     """Return the profile that is validated."""
     return make_machine()
-
-
-@pytest.fixture(scope="module")
-def simulation(simulated: Callable[..., Simulation], profile: HardwareProfile) -> Simulation:
-    """Simulate the policies under it."""
-    return simulated(profile)
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +129,7 @@ def test_frames_drawn_deep_have_their_measured_lag(
 ) -> None:
     """Lag is the column that was measured, counts, and is what the pipeline says with F = 3."""
     deep = make_machine(in_flight=3, spread=0.0)
-    simulation = simulated(deep, ("static-screen",))
+    simulation = simulated(deep, ("static-screen",), 24)
     passed = recorded(deep, ("static-screen",))["static-screen"]
     lag_ms = (passed[0].frames["display_ns"] - passed[0].frames["input_ns"]) * 1e-6
     with_lag = tuple(replace(item, lag_ms=1.5 * lag_ms) for item in passed[:1])
@@ -219,8 +215,7 @@ def test_the_page_names_every_policy_and_holds_its_charts(
     page = render_validation(validation, {0: series})
     for part in (*truth, 'id="chart-series-0-3"', 'id="chart-agreement-frame_ms_mean"'):
         assert part in page
-    assert "plotly" not in page.lower()
-    assert len(page) < 400_000
+    assert len(page) < 400_000  # plotly alone has 4.8 MB
     assert page == render_validation(validation, {0: series})
 
 
