@@ -1,12 +1,13 @@
 """`lodbench validate`: record policies on a real renderer, simulate the same, and compare."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
-from .record import parse_size
+from .record import Clock, FramesInFlight, parse_size
 from .shared import options
 from .shared.progress import progress_bar
 from .shared.terminal import (
@@ -17,6 +18,7 @@ from .shared.terminal import (
 )
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
+    from ..analysis.validation.record_options import RecordOptions
     from ..analysis.validation.run_cases import CaseInputs
     from ..analysis.validation.study_file import CaseSpec
     from ..models.machine.hardware import HardwareProfile
@@ -42,7 +44,7 @@ StudyFile = Annotated[
     Argument(
         metavar="[STUDY.toml]",
         help="Several paths in one validation: [[case]] with scene, trace, and budget_ms, seconds, "
-        "place, fovy_deg and policies where they differ from the options.",
+        "place, fovy_deg, policies, frames_in_flight and threads where they differ from the options.",
     ),
 ]
 Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]
@@ -107,6 +109,8 @@ def validate(
     backend: options.Backend = "egl",
     instancing: options.Instancing = False,
     threads: options.Threads = 0,
+    clock: Clock = "wall",
+    frames_in_flight: FramesInFlight = 0,
     seed: NoiseSeed = 0,
     place: options.Place = "shrink",
     as_json: options.AsJson = False,
@@ -114,8 +118,8 @@ def validate(
     """Compare simulated with measured: frame times, metrics, verdict, and order of policies."""
     from ..analysis.study.compare import CompareSettings
     from ..analysis.study.engine.limits import make_limits
+    from ..analysis.validation.record_options import RecordOptions
     from ..analysis.validation.recording_folder import find_recordings
-    from ..analysis.validation.recordings import RecordOptions
     from ..analysis.validation.replays import require_passes
     from ..analysis.validation.replicates import require_replicates
     from ..analysis.validation.run_cases import Source, carry_out
@@ -134,9 +138,11 @@ def validate(
     require_passes(passes)
     require_replicates(replicates)
     _check_outputs(out, recorded)
+    labels = tuple(policy) if policy else None
     given = CaseSpec(
-        scene, trace, budget_ms, seconds, place, fovy_deg, tuple(policy) if policy else None
+        scene, trace, budget_ms, seconds, place, fovy_deg, labels, frames_in_flight, threads
     )
+    drawing = RecordOptions(backend=backend, instancing=instancing, repeats=repeats, clock=clock)
     specs = [given] if study is None else [case.or_else(given) for case in read_cases(study)]
     with claimed_validation(out):
         profile = load_hardware(hardware)
@@ -144,16 +150,13 @@ def validate(
         own_size = profile.display.width_px, profile.display.height_px
         drawn = recorded_hardware(profile, own_size if size is None else parse_size(size))
         # Before hours of recording, all that can be refused.
-        cases = [_prepare(spec, drawn, seed, warmup_s) for spec in specs]
+        cases = [_prepare(spec, drawn, drawing, seed, warmup_s) for spec in specs]
         scoring = CompareSettings(
             warmup_s=warmup_s, workers=workers, policy_limits=limits, scheduler=scheduler
         )
-        drawing = RecordOptions(
-            backend=backend, instancing=instancing, repeats=repeats, threads=threads
-        )
         found = None if recorded is None else find_recordings(recorded)
         kept = recordings_beside(out) if out is not None and found is None else None
-        source = Source(recorded=found, kept=kept, drawing=drawing, passes=passes)
+        source = Source(recorded=found, kept=kept, passes=passes)
         with progress_bar("validate", "steps") as progress:
             done = carry_out(cases, source, scoring, replicates, progress)
         unwritten = None
@@ -173,7 +176,11 @@ def validate(
 
 
 def _prepare(
-    spec: "CaseSpec", hardware: "HardwareProfile", seed: int, warmup_s: float
+    spec: "CaseSpec",
+    hardware: "HardwareProfile",
+    drawing: "RecordOptions",
+    seed: int,
+    warmup_s: float,
 ) -> "CaseInputs":
     """Return a case, loaded and checked; raises `InputError` if it cannot be recorded."""
     from ..analysis.metrics.measured_frames import require_window
@@ -196,7 +203,9 @@ def _prepare(
     require_window(warmup_s, path.duration_s)
     labels = spec.policies or (POLICIES if opened.scene.flat else TREE_POLICIES)
     require_recordable(labels, opened.scene)
-    return CaseInputs(opened, path, labels, replay, hardware)
+    deep, threads = spec.frames_in_flight or 0, spec.threads or 0
+    drawing = replace(drawing, frames_in_flight=deep, threads=threads)
+    return CaseInputs(opened, path, labels, replay, hardware, drawing)
 
 
 def _check_outputs(out: Path | None, recorded: Path | None) -> None:

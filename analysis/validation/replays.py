@@ -9,7 +9,8 @@ from ...models.scene.scene_catalog import OpenedScene
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.runs import Progress
-from .recordings import Recorded, RecordOptions, open_recorder
+from .record_options import RecordOptions
+from .recordings import Recorded, open_recorder
 
 OnRecorded = Callable[[str, int, Recorded], None]
 """Called with label, pass and recording as soon as it ends: a later failure does not lose it."""

@@ -1,19 +1,23 @@
 """Carry out a validation: record each case, or read it, simulate the same, and judge."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ...base.errors import InputError
+from ...models.machine.cost import CpuCostModel
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene_catalog import OpenedScene
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import CompareSettings
 from ..study.runs import Progress
-from .recorded_frames import frames_in_flight, measured_of
+from .record_options import RecordOptions
+from .recorded_frames import Measured, frames_in_flight, measured_of
 from .recording_folder import case_folders, read_recordings, write_recording
-from .recordings import Recorded, RecordOptions, conditions
+from .recordings import Recorded, conditions
 from .replays import Recordings, record_all
 from .replicates import simulate_all
 from .shown.charts import Series
@@ -36,11 +40,13 @@ class CaseInputs:
     labels: tuple[str, ...]
     replay: ReplayOptions
     hardware: HardwareProfile
+    drawing: RecordOptions
 
     @property
     def name(self) -> str:
-        """Scene and path."""
-        return f"{self.opened.scene.name}-{self.path.name}"
+        """Scene and path, and how many frames deep it is drawn, if any."""
+        deep = self.drawing.frames_in_flight
+        return f"{self.opened.scene.name}-{self.path.name}{f'-{deep}-deep' if deep else ''}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,12 +73,11 @@ class Source:
     ----------
     recorded : folder to read, None to draw
     kept : folder to write each recording to as soon as it ends; None to keep them in memory
-    drawing, passes : how to draw
+    passes : recordings of each policy
     """
 
     recorded: Path | None = None
     kept: Path | None = None
-    drawing: RecordOptions
     passes: int = 2
 
 
@@ -96,24 +101,23 @@ def carry_out(
         if not recordings.policies:
             raise _nothing(case, recordings)
         header = dict(next(iter(recordings.policies.values()))[0].header)
-        # What was drawn several frames deep is simulated so.
-        deep = replace(case.hardware, frames_in_flight=frames_in_flight(header))
+        measured = {
+            label: tuple(map(measured_of, passed)) for label, passed in recordings.policies.items()
+        }
+        machine = _as_drawn(case.hardware, header, list(measured.values()))
         simulation = simulate_all(
             list(recordings.policies),
             case.opened.scene,
             case.path,
-            deep,
+            machine,
             case.replay,
             scoring,
             replicates,
             _part(progress, 2 * number + 1, 2 * len(cases)),
         )
         draws = max(draws, simulation.draws)
-        measured = {
-            label: tuple(map(measured_of, passed)) for label, passed in recordings.policies.items()
-        }
         header.pop("policy", None)
-        judged.append(judge_case(simulation, measured, deep, header, recordings.failed))
+        judged.append(judge_case(simulation, measured, machine, header, recordings.failed))
         series[number] = {
             label: ([item.frames for item in passed], simulation.policies[label].log)
             for label, passed in measured.items()
@@ -121,6 +125,23 @@ def carry_out(
         }
     validation = validate(judged, cases[0].hardware, replicates, draws)
     return Carried(validation, names, series)
+
+
+def _as_drawn(
+    hardware: HardwareProfile,
+    header: Mapping[str, str],
+    recordings: Sequence[Sequence[Measured]],
+) -> HardwareProfile:
+    """Return the machine that frames were recorded on: as deep, and with the recorder's own CPU.
+
+    What culling, deciding and keeping accounts take in Python is no cost of the machine's, and no
+    profile has it; but the device works meanwhile.
+    """
+    deep = replace(hardware, frames_in_flight=frames_in_flight(header))
+    cpu_ms = [item.cpu_ms for passed in recordings for item in passed if item.cpu_ms is not None]
+    if not cpu_ms:
+        return deep
+    return replace(deep, cpu=CpuCostModel.of(float(np.median(np.concatenate(cpu_ms))), {}))
 
 
 def _part(progress: Progress | None, at: int, parts: int) -> Progress | None:
@@ -148,7 +169,7 @@ def _recordings(
         case.path,
         case.hardware,
         case.replay,
-        source.drawing,
+        case.drawing,
         source.passes,
         progress,
         keep,

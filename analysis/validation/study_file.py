@@ -9,7 +9,7 @@
     seconds = "0:10"
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from ...base.errors import InputError
@@ -31,6 +31,8 @@ class CaseSpec:
     place : how the path of a file is put into the scene
     fovy_deg : vertical field of view
     policies : as on the command line
+    frames_in_flight : drawn so deep, to measure lag; 0 waits for each drawing
+    threads : of llvmpipe, beside the caller's
     """
 
     scene: str
@@ -40,10 +42,12 @@ class CaseSpec:
     place: str | None = None
     fovy_deg: float | None = None
     policies: tuple[str, ...] | None = None
+    frames_in_flight: int | None = None
+    threads: int | None = None
 
     def or_else(self, default: "CaseSpec") -> "CaseSpec":
         """Return the case with what it leaves open taken from another."""
-        names = ("budget_ms", "seconds", "place", "fovy_deg", "policies")
+        names = [item.name for item in fields(self)]
         missing = {name: getattr(default, name) for name in names if getattr(self, name) is None}
         return replace(self, **missing)
 

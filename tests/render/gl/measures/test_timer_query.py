@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from lodbench.render.gl.context import Device
+from lodbench.render.gl.measures.timer_query import doubt_timer
 from lodbench.render.gl.renderer import Timing
-from lodbench.render.gl.timer_query import doubt_timer
 
 CARD = Device("A card", "1.0", software=False)
 

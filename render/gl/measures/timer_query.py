@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .context import Device
-from .renderer import Timing
+from ..context import Device
+from ..renderer import Timing
 
 _LONGER = 1.05  # than the whole frame: the clocks differ a little
 _WAITED = 0.5  # share of the wait for the frame's end that work on the device should fill
