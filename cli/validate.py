@@ -43,8 +43,9 @@ StudyFile = Annotated[
     Path | None,
     Argument(
         metavar="[STUDY.toml]",
-        help="Several paths in one validation: [[case]] with scene, trace, and budget_ms, seconds, "
-        "place, fovy_deg, policies, frames_in_flight and threads where they differ from the options.",
+        help="Several paths in one validation: [[case]] with scene and trace; and budget_ms, "
+        "seconds, place, fovy_deg, policies, frames_in_flight and threads where they differ from "
+        "the options.",
     ),
 ]
 Hardware = Annotated[str, Option(help="The profile to be tested: bundled, or a TOML file.")]

@@ -66,7 +66,8 @@ def compare_pairs(measured: FloatArray, replicates: FloatArray) -> Pairs | None:
     if passes > 1:
         variance = float((np.diff(measured[:, :2], axis=1) ** 2).mean()) / 2.0  # of one recording
         # The difference of two means of two recordings has this variance too.
-        least = float(stdtrit(count, _SURE)) * variance**0.5
+        quantile: Any = stdtrit(count, _SURE)
+        least = float(quantile) * variance**0.5
         apart = np.abs(difference) > least
         again = kendall_tau(measured[:, 0].tolist(), measured[:, 1].tolist())
     simulated = replicates.mean(axis=1)
