@@ -56,6 +56,7 @@ reproduction: .venv/.installed-dev
 
 validation: .venv/.installed-dev
 	$(BIN)/python docs/scripts/validation_tables.py
+	$(BIN)/python docs/scripts/validation_flicker.py
 
 clean:
 	rm -rf .venv .types out build dist lodbench.egg-info .benchmarks .hypothesis

@@ -25,7 +25,7 @@ FrameLogOut = Annotated[
 ]
 Images = Annotated[
     Path | None,
-    Option(metavar="DIR", help="Write pictures beside full detail, and images.csv with SSIM."),
+    Option(metavar="DIR", help="Write pictures beside full detail, and images.csv: SSIM, FLIP."),
 ]
 ImageEvery = Annotated[int, Option(help="Frames from picture to picture.")]
 Size = Annotated[str, Option(help="WIDTHxHEIGHT of the picture.")]
@@ -182,7 +182,8 @@ def _print(summary: dict[str, Any], *, as_json: bool) -> None:
         print(
             f"{pictures['count']} pictures against full detail: SSIM {pictures['ssim_mean']:.4f} "
             f"on average, {pictures['ssim_min']:.4f} at worst, difference "
-            f"{100.0 * pictures['difference_mean']:.2f} % of the range"
+            f"{100.0 * pictures['difference_mean']:.2f} % of the range, FLIP "
+            f"{pictures['flip_mean']:.4f}"
         )
 
 

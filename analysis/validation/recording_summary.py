@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...render.gl.image_comparison import summarise_pictures
 from .recordings import Recorded
 
 IDENTIFIED = (
@@ -61,11 +62,5 @@ def summary_of(recorded: Recorded) -> dict[str, Any]:
     if "pass" in columns:
         record["condition"] = condition(columns)
     if recorded.pictures:
-        ssim = [picture.ssim for picture in recorded.pictures]
-        record["pictures"] = {
-            "count": len(ssim),
-            "ssim_mean": float(np.mean(ssim)),
-            "ssim_min": float(np.min(ssim)),
-            "difference_mean": float(np.mean([p.difference for p in recorded.pictures])),
-        }
+        record["pictures"] = summarise_pictures(recorded.pictures)
     return record

@@ -35,6 +35,8 @@ SCENES: Registry[BundledScene] = Registry(
     f"{__package__}",
     {
         "atlas": "atlas:ATLAS",
+        "calibration-dense": "calibration:CALIBRATION_DENSE",
+        "calibration-near": "calibration:CALIBRATION_NEAR",
         "city": "city:CITY",
         "cows": "cows:COWS",
         "crowd-1024": "crowd:CROWD",

@@ -127,8 +127,8 @@ def _off_screen(moderngl: Any) -> Target:
     import glcontext
 
     # Made here, not by moderngl, which keeps its loader to itself.
-    backend: Any = glcontext.get_backend_by_name("egl")
-    egl: Any = backend(mode="standalone", glversion=_VERSION)
+    backends: Any = glcontext  # which has no stubs
+    egl = backends.get_backend_by_name("egl")(mode="standalone", glversion=_VERSION)
     return _target(moderngl.create_context(require=_VERSION, context=egl), egl.load)
 
 

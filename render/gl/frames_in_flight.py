@@ -132,7 +132,8 @@ class FlightMachine:
         units = len(COUNTED) - 1
         held: FloatArray = np.insert(table[:, :units], _SAMPLES, self._samples, axis=1)
         prepared_ns, submitted_ns = table[:, units:].T
-        input_ns, end_ns = (times_ns[:, TIMES.index(name)] for name in ("input_ns", "gpu_end_ns"))
+        times = dict(zip(TIMES, times_ns.T.astype(np.float64), strict=True))
+        input_ns, end_ns = times["input_ns"], times["gpu_end_ns"]
         measured_ns: dict[str, FloatArray] = {
             "prepare_ms": prepared_ns - input_ns,
             "cpu_ms": submitted_ns - prepared_ns,

@@ -29,7 +29,7 @@ COUNTS = Counts(1, 2, 3, 4, 5, 6, 7, 8, 0)
 class Scripted:
     """In place of a renderer: draws nothing, and takes times as told."""
 
-    statistics = ("vertex_shader_invocations",)
+    statistics: tuple[str, ...] = ("vertex_shader_invocations",)
 
     def __init__(self, frame_ms: Iterator[float], gpu_share: float = 0.9) -> None:
         self.frame_ms, self.gpu_share = frame_ms, gpu_share
