@@ -81,7 +81,8 @@ Passes = Annotated[
     int, Option(help="Recordings of each policy; a second shows the machine's own noise.")
 ]
 Replicates = Annotated[
-    int, Option(help="Simulated recordings of each policy, by which intervals are made.")
+    int,
+    Option(help="Simulated recordings of each policy, by which intervals are made; 19 at least."),
 ]
 NoiseSeed = Annotated[int, Option(help="Seed of the simulated noise.")]
 

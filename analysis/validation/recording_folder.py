@@ -68,6 +68,10 @@ def read_recordings(folder: Path, labels: Sequence[str], wanted: Mapping[str, st
         Entries that the headers of the render logs must have, as `recordings.conditions` returns
         them.
     """
+    if not folder.is_dir():
+        others = ", ".join(sorted(path.name for path in folder.parent.iterdir() if path.is_dir()))
+        message = f"expected recordings of {folder.name}, got those of {others}; record again"
+        raise InputError(message, path=folder.parent)
     found = Recordings({}, {})
     for label, name in frame_log_names(list(labels)).items():
         names = [name, f"{_AGAIN}{name}"]

@@ -25,9 +25,9 @@ from ..study.runs import Progress, choose_draws
 from ..study.score import MISS, Scored
 
 REPLICATES = 40
-"""Of each policy: the least with which both ends of a 90 % interval are two from the extremes."""
+"""Of each policy: with so many both ends of a 90 % interval lie two from the extremes."""
 
-_MOST = 10_000
+_LEAST, _MOST = 19, 10_000  # with 19 its ends are the extremes
 
 FULL = "full"
 
@@ -92,10 +92,10 @@ class Simulation:
 
 def require_replicates(count: int) -> None:
     """Raise `InputError` if there are too few replicates for an interval of 90 %."""
-    if not REPLICATES <= count <= _MOST:
+    if not _LEAST <= count <= _MOST:
         raise InputError(
-            f"--replicates: expected {REPLICATES} to {_MOST}, got {count}; with fewer an interval "
-            "would end at the extremes"
+            f"--replicates: expected {_LEAST} to {_MOST}, got {count}; with fewer there is no "
+            "interval that holds nine in ten"
         )
 
 

@@ -43,7 +43,7 @@ def predictive_interval(
     Source: Hahn and Meeker, Statistical Intervals (1991), section 5.4.
     """
     known = [value for value in values if value is not None]
-    if len(known) < len(values) or len(known) + 1 < 2.0 / (1.0 - level):
+    if len(known) < len(values) or len(known) + 1 < round(2.0 / (1.0 - level), 9):
         return None, None
     ends = ((1.0 - level) / 2.0, (1.0 + level) / 2.0)
     low, high = np.quantile(known, ends, method="weibull").tolist()

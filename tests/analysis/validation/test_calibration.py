@@ -70,7 +70,8 @@ def test_without_a_value_in_each_replicate_there_is_no_interval() -> None:
     """A metric that a replicate lacks, or too few of them, tell of no interval."""
     assert predictive_interval([1.0] * 40 + [None], 0.9) == (None, None)
     assert predictive_interval([1.0] * 18, 0.9) == (None, None)
-    assert predictive_interval([1.0] * 40, 0.9) == (1.0, 1.0)
+    nineteen = [float(value) for value in range(19)]
+    assert predictive_interval(nineteen, 0.9) == pytest.approx((0.0, 18.0))
 
 
 def test_what_cannot_differ_does_not_count(made_scored: Callable[..., Scored]) -> None:

@@ -63,8 +63,10 @@ def test_a_recording_of_something_else_is_refused(item: Recorded, tmp_path: Path
     write_recording(tmp_path / "case", LABELS, "full", 0, item)
     with pytest.raises(InputError, match="expected a recording with scene plaza, got by-hand"):
         read_recordings(tmp_path / "case", LABELS, {"scene": "plaza"})
-    with pytest.raises(InputError, match="expected a recording of full, got none"):
+    with pytest.raises(InputError, match="expected recordings of other, got those of case"):
         read_recordings(tmp_path / "other", LABELS, {})
+    with pytest.raises(InputError, match="expected a recording of lodmanager, got none"):
+        read_recordings(tmp_path / "case", ["lodmanager"], {})
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="expected recordings that `lodbench validate --out`"):
         find_recordings(tmp_path / "empty")

@@ -129,7 +129,7 @@ def test_frames_drawn_deep_have_their_measured_lag(
 ) -> None:
     """Lag is the column that was measured, counts, and is what the pipeline says with F = 3."""
     deep = make_machine(in_flight=3, spread=0.0)
-    simulation = simulated(deep, ("static-screen",), 24)
+    simulation = simulated(deep, ("static-screen",), 19)
     passed = recorded(deep, ("static-screen",))["static-screen"]
     lag_ms = (passed[0].frames["display_ns"] - passed[0].frames["input_ns"]) * 1e-6
     with_lag = tuple(replace(item, lag_ms=1.5 * lag_ms) for item in passed[:1])
@@ -238,10 +238,10 @@ def test_what_cannot_be_priced_is_refused(profile: HardwareProfile) -> None:
 
 
 def test_too_few_replicates_are_refused() -> None:
-    """With fewer than 40 an interval would end at its extremes."""
-    require_replicates(40)
-    with pytest.raises(InputError, match="--replicates: expected 40 to"):
-        require_replicates(39)
+    """The least and the largest of 19 are where nine in ten of one more lie; 18 have no such."""
+    require_replicates(19)
+    with pytest.raises(InputError, match="--replicates: expected 19 to"):
+        require_replicates(18)
 
 
 def test_replicates_take_the_draws_in_turn_and_a_seed_each(simulation: Simulation) -> None:
