@@ -44,6 +44,11 @@ class Judged:
         times = np.array([[run.judged_ms for run in seeds] for seeds in self.runs])
         return np.exp(np.log(times).mean(axis=1))
 
+    @property
+    def drawn_ms(self) -> FloatArray:
+        """Work time that the budget judges on each draw of the machine and path, (D, J)."""
+        return np.array([[run.judged_ms for run in paths] for paths in self.drawn])
+
     def values(self, metric: str) -> FloatArray:
         """Return a metric on each path under each seed, (n, S); NaN where a run has none."""
         found = [[run.values[metric] for run in seeds] for seeds in self.runs]

@@ -24,7 +24,7 @@ from .criterion import LAG_MARGIN_MS, PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Crit
 from .folding import fold_identical
 from .folds import folds
 from .judged import Judged
-from .keeping import keeping, p_keeps
+from .keeping import keeping, p_keeps, p_keeps_with_machine
 from .operating_point import SURE
 from .ranking import RankGroup, ranking
 from .robustness import robustness
@@ -153,13 +153,18 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
 def _keeps(item: Judged, budget_ms: float) -> Keeps:
     probability = p_keeps(item.point_ms, budget_ms)
     judged = keeping(item.judged_ms, budget_ms, LEVEL)
+    known = not np.isnan(probability)
+    unsure = known and len(item.drawn) > 1
     return Keeps(
-        probability=None if np.isnan(probability) else probability,
+        probability=probability if known else None,
         kept=judged.kept,
         paths=judged.paths,
         low=judged.low,
         high=judged.high,
         work_ms=float(np.exp(np.log(item.point_ms).mean())),
+        with_machine=(
+            p_keeps_with_machine(item.point_ms, item.drawn_ms, budget_ms) if unsure else None
+        ),
     )
 
 

@@ -329,6 +329,10 @@ def test_the_documented_example_is_a_profile():
     assert profile.name == "my-machine"
     assert profile.gpu.has_roofline
     assert profile.gpu_residual.correlation == 0.9
+    assert profile.gpu_residual.slow_time_s == 8.0
+    assert profile.gpu.knees == (Knee("triangles", 158000.0, 4e-6),)
+    assert profile.scatter == Scatter(0.09, {"triangles": 0.25}, assumed=True)
+    assert profile.identification is not None
     assert profile.posterior is not None
     assert len(profile.posterior) == 2
 
