@@ -2,7 +2,8 @@
 
 By meshoptimizer (Kapoulkine), which follows Forsyth, "Linear-Speed Vertex Cache Optimisation",
 2006.  A mesh that a simplifier wrote has no such order, and on one device types would then differ
-in cost per triangle for no reason of theirs.
+in cost per triangle for no reason of theirs.  The package is an extra, ``meshopt``, since it is
+compiled where it is installed.
 """
 
 from importlib.util import find_spec
