@@ -31,7 +31,7 @@ from .robustness import robustness
 from .scores import LEVEL, score_metrics
 from .warnings import find_warnings
 
-_LEAST = {
+LEAST = {
     "missing_objects_mean": 0.01,
     "visible_error_px": PICTURE_MARGIN_PX,
     "visible_pops_per_s": POPS_MARGIN_PER_S,
@@ -145,7 +145,7 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
     if not known.any():  # nothing was ever in view: only what it took can be told apart
         return (Criterion("work_ms_mean", tables["work_ms_mean"], relative=margin),)
     return tuple(
-        Criterion(name, table[:, known], relative=margin, absolute=_LEAST[name])
+        Criterion(name, table[:, known], relative=margin, absolute=LEAST[name])
         for name, table in tables.items()
     )
 

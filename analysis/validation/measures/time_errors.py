@@ -1,34 +1,15 @@
 """Errors of predicted frame times, frame by frame."""
 
-from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
 
-from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ....base.arrays import FloatArray
+from ....base.errors import InputError
+from ..validation_result import ErrorSummary
 
 ADAPT_RATE = 0.2
 """Share of the way to measured over predicted time that the factor moves, as in `fitting.md`."""
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorSummary:
-    """Prediction over measurement minus one, in per cent.
-
-    Attributes
-    ----------
-    frames : frames compared
-    mean_pct, sd_pct : mean and sample standard deviation
-    p05_pct, p50_pct, p95_pct : percentiles, linear interpolation
-    """
-
-    frames: int
-    mean_pct: float
-    sd_pct: float
-    p05_pct: float
-    p50_pct: float
-    p95_pct: float
 
 
 def summarise(predicted_ms: FloatArray, measured_ms: FloatArray) -> ErrorSummary:
@@ -71,3 +52,18 @@ def adapted_ms(
 def at_times(time_s: FloatArray, values: FloatArray, wanted_s: FloatArray) -> FloatArray:
     """Return a series at the times of another's frames, linear between its own, NaN outside."""
     return np.interp(wanted_s, time_s, values, left=np.nan, right=np.nan)
+
+
+def at_nearest(time_s: FloatArray, values: FloatArray, wanted_s: FloatArray) -> FloatArray:
+    """Return a series' values nearest to the times of another's frames, NaN outside of its own.
+
+    A value between two would have less noise than a frame has.
+    """
+    if not len(time_s):
+        return np.full(len(wanted_s), np.nan)
+    after = np.clip(np.searchsorted(time_s, wanted_s), 1, max(len(time_s) - 1, 1))
+    before = after - 1
+    after = np.minimum(after, len(time_s) - 1)
+    nearer = np.where(wanted_s - time_s[before] <= time_s[after] - wanted_s, before, after)
+    outside = (wanted_s < time_s[0]) | (wanted_s > time_s[-1])
+    return np.where(outside, np.nan, values[nearer])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lodbench.analysis.validation.time_errors import adapted_ms, at_times, summarise
+from lodbench.analysis.validation.measures.time_errors import adapted_ms, at_times, summarise
 from lodbench.base.errors import InputError
 
 
