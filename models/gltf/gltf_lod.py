@@ -88,14 +88,14 @@ def _surface(
     parts: list[MeshPart] = []
     materials: set[int | None] = set()
     for placed in level:
-        parts += _parts(gltf, placed, linear @ placed.transform[:3])
+        parts += place_parts(gltf, placed, linear @ placed.transform[:3])
         primitives = pick(gltf.document.meshes, placed.mesh, "meshes").primitives
         materials.update(primitive.material for primitive in primitives)
     return clean_surface(name, parts, texture_bytes=textures.bytes_of(materials))
 
 
-def _parts(gltf: Gltf, placed: Placed, matrix: FloatArray) -> Iterator[MeshPart]:
-    """Yield the triangles of a mesh, placed by a (3, 4) matrix."""
+def place_parts(gltf: Gltf, placed: Placed, matrix: FloatArray) -> Iterator[MeshPart]:
+    """Yield the triangles of a mesh, placed by a (3, 4) matrix; raises as `Gltf.points`."""
     document = gltf.document
     for primitive in pick(document.meshes, placed.mesh, "meshes").primitives:
         if "POSITION" not in primitive.attributes:

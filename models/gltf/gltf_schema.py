@@ -49,7 +49,13 @@ class Image(_Struct, frozen=True):
 
     uri: str | None = None
     buffer_view: int | None = None
+    mime_type: str = ""
     name: str = ""
+
+    @property
+    def is_ktx2(self) -> bool:
+        """Whether the document says that it is KTX2."""
+        return self.mime_type == "image/ktx2" or (self.uri or "").lower().endswith(".ktx2")
 
 
 class _Lod(_Struct, frozen=True):
@@ -231,6 +237,11 @@ class Document(_Struct, frozen=True):
         )
         found = {pick(self.textures, info.index, "textures").image for info in shown if info}
         return {image for image in found if image is not None}
+
+    def has_ktx2(self) -> bool:
+        """Return whether the document says that an image is KTX2."""
+        named = any(texture.extensions.basisu.source is not None for texture in self.textures)
+        return named or any(image.is_ktx2 for image in self.images)
 
     def image_name(self, number: int) -> str:
         """Return what an image is called: its file, its name, or its number."""

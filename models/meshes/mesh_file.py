@@ -19,6 +19,7 @@ _TEXTURES = (
     "occlusionTexture",
     "emissiveTexture",
 )
+_GLTF = (".glb", ".gltf")
 _TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
 
 
@@ -31,6 +32,12 @@ def load_mesh(path: Path) -> SurfaceMesh:
 
     Raises `InputError` if the file is missing, of no known format, damaged, or holds no triangles.
     """
+    if path.suffix.lower() in _GLTF:
+        from ..gltf.gltf_surface import load_ktx2_surface
+
+        surface = load_ktx2_surface(path)
+        if surface is not None:  # trimesh leaves these textures out, and says nothing
+            return surface
     scene = _parse(path)
     parts: list[MeshPart] = []
     images: dict[int, float] = {}
