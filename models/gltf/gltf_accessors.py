@@ -157,25 +157,34 @@ class Gltf:
             )
         return data[offset : offset + length]
 
+    def image(self, number: int) -> bytes:
+        """Return the bytes of an image; raises InputError, or `MissingBufferError` without it."""
+        image = pick(self.document.images, number, "images")
+        if image.uri is not None:
+            return self._fetch(image.uri, f"image {number}")
+        if image.buffer_view is None:
+            raise MissingBufferError(f"image {number}: expected a file or a buffer view, got none")
+        return self._view(image.buffer_view)
+
     def _load(self, number: int) -> bytes:
         buffer = pick(self.document.buffers, number, "buffers")
-        if buffer.uri is None:
-            return self._binary
-        head, _, text = buffer.uri.partition(",")
+        return self._binary if buffer.uri is None else self._fetch(buffer.uri, f"buffer {number}")
+
+    def _fetch(self, uri: str, what: str) -> bytes:
+        """Return the bytes that a URI holds, or the file that it names."""
+        head, _, text = uri.partition(",")
         if head.startswith("data:"):
             try:
                 return base64.b64decode(text, validate=True)
             except ValueError as error:  # binascii's is one; another tells of other than ASCII
-                raise InputError(f"buffer {number}: expected base64, got {error}") from error
+                raise InputError(f"{what}: expected base64, got {error}") from error
         if self._folder is None:
-            raise InputError(f"buffer {number}: expected one inside the file, got {buffer.uri!r}")
-        path = (self._folder / unquote(buffer.uri)).resolve()
+            raise InputError(f"{what}: expected one inside the file, got {uri!r}")
+        path = (self._folder / unquote(uri)).resolve()
         if not path.is_relative_to(self._folder.resolve()):
-            raise InputError(
-                f"buffer {number}: expected a file in the folder of the glTF, got {buffer.uri!r}"
-            )
+            raise InputError(f"{what}: expected a file in the folder of the glTF, got {uri!r}")
         if not path.is_file():
-            raise MissingBufferError("expected a buffer of the glTF, got no such file", path=path)
+            raise MissingBufferError("expected a file of the glTF, got no such file", path=path)
         if (size := path.stat().st_size) > MAX_FILE_BYTES:
             raise InputError(f"expected at most 1 GiB, got {size} bytes", path=path)
         return path.read_bytes()

@@ -25,6 +25,7 @@ _TEXTURES = (
     "emissiveTexture",
 )
 _SILENT = logging.NullHandler()
+_GLTF = (".glb", ".gltf")
 _TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
 
 
@@ -41,6 +42,12 @@ def load_mesh(path: Path) -> SurfaceMesh:
 
 
 def _load(path: Path) -> SurfaceMesh:
+    if path.suffix.lower() in _GLTF:
+        from ..gltf.gltf_surface import load_ktx2_surface
+
+        surface = load_ktx2_surface(path)
+        if surface is not None:  # trimesh leaves these textures out, and says nothing
+            return surface
     scene = _parse(path)
     parts: list[MeshPart] = []
     images: dict[int, float] = {}
