@@ -3,7 +3,7 @@
 const all = (query, at = document) => [...at.querySelectorAll(query)];
 const one = (query, at = document) => at.querySelector(query);
 const SHADES = ["#3b528b", "#2c728e", "#24868e", "#1fa088", "#42be71", "#7ad151", "#b5de2b", "#fde725"];
-const RECENT_S = 0.25;
+const RECENT_S = 0.25, SAME_S = 1e-6, SMOOTH_MS = 40, REST_MS = 150, SPHERE = -1, ROUGH = -2;
 
 /* The arrays of the page, by name. */
 const head = JSON.parse(one("#head").textContent);
@@ -43,7 +43,7 @@ const policies = head.policies.map((name, at) => {
 });
 function frameAt(p, time) {
   let low = 0, high = p.frames - 1;
-  while (low < high) { const mid = (low + high + 1) >> 1; if (p.time[mid] <= time) low = mid; else high = mid - 1; }
+  while (low < high) { const mid = (low + high + 1) >> 1; if (p.time[mid] <= time + SAME_S) low = mid; else high = mid - 1; }
   return low;
 }
 /* One replay may be on both sides: its levels are those of the frame that was asked for last. */
@@ -90,7 +90,7 @@ arrays.first_row.forEach((first, type) => {
   for (const mesh of held) if (mesh >= 0) capacity[mesh] += perType[type];
 });
 function geometryOf(mesh) {
-  if (mesh < 0) return new THREE.IcosahedronGeometry(1, 1);
+  if (mesh < 0) return mesh === SPHERE ? new THREE.IcosahedronGeometry(1, 1) : new THREE.OctahedronGeometry(1.2);
   const grid = arrays[`mesh${mesh}/vertices`], [low, size] = head.boxes[mesh], points = new Float32Array(grid.length);
   for (let i = 0; i < grid.length; i++) points[i] = low[i % 3] + size[i % 3] * grid[i] / 65535;
   const geometry = new THREE.BufferGeometry();
@@ -103,6 +103,7 @@ const sharedGeometry = (mesh) => {
   if (!geometries.has(mesh)) geometries.set(mesh, geometryOf(mesh));
   return geometries.get(mesh);
 };
+const PIXELS = SHADES.map((text) => new Uint32Array(new Uint8Array([1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16)).concat(255)).buffer)[0]);
 const colors = SHADES.map((text) => new THREE.Color(text));
 
 /* The extent of what is seen from above: nodes and the camera's way. */
@@ -115,6 +116,14 @@ for (let n = 0; n < N; n++) reach(arrays.center_m[3 * n], arrays.center_m[3 * n 
 for (const p of policies) for (let f = 0; f < p.frames; f += 8) reach(p.eye[3 * f], p.eye[3 * f + 1]);
 const span = Math.max(extent[2] - extent[0], extent[3] - extent[1], 1);
 
+/* Whether triangles are drawn by the processor: then edges are not smoothed. */
+const SOFTWARE = (() => {
+  const gl = document.createElement("canvas").getContext("webgl2"), more = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = more ? gl.getParameter(more.UNMASKED_RENDERER_WEBGL) : "";
+  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+})();
+
 class Pane {
   constructor(root, at) {
     this.root = root; this.meshes = new Map(); this.counts = new Map(); this.frame = -1;
@@ -125,14 +134,14 @@ class Pane {
     this.select.addEventListener("change", () => { this.choose(this.select.selectedIndex); plot(); ask(); });
     this.eye.style.aspectRatio = head.aspect;
     try {
-      this.renderer = new THREE.WebGLRenderer({ canvas: this.eye, antialias: true });
+      this.renderer = new THREE.WebGLRenderer({ canvas: this.eye, antialias: !SOFTWARE });
       this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     } catch {
       one("#failed").hidden = false;
       one("#failed").textContent = "This browser has no WebGL: the scene is shown from above alone.";
     }
     this.scene = new THREE.Scene(); this.scene.background = new THREE.Color("#171b21");
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x6a6a70, 2.2));
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x9a9aa0, 2.6));
     const sun = new THREE.DirectionalLight(0xffffff, 1.6);
     sun.position.set(-0.45, -0.35, 0.82); this.scene.add(sun);
     this.camera = new THREE.PerspectiveCamera(head.fovy_deg, head.aspect, 0.1, 20 * span);
@@ -152,15 +161,16 @@ class Pane {
     if (!this.meshes.has(at)) {
       const many = at < 0 ? N : capacity[at], mesh = new THREE.InstancedMesh(sharedGeometry(at), this.material, many);
       mesh.instanceColor = new THREE.InstancedBufferAttribute(new Float32Array(3 * many), 3);
-      mesh.frustumCulled = false; mesh.matrixAutoUpdate = false;
+      mesh.count = 0; mesh.frustumCulled = false; mesh.matrixAutoUpdate = false;
       this.meshes.set(at, mesh); this.scene.add(mesh);
     }
     return this.meshes.get(at);
   }
-  draw(time) {
+  /* A rough picture has octahedra for all meshes, in the colours of their levels. */
+  draw(time, rough) {
     const p = this.policy, frame = frameAt(p, time);
-    if (frame === this.frame) return;
-    this.frame = frame;
+    if (frame === this.frame && rough === this.rough) return;
+    this.frame = frame; this.rough = rough;
     const levels = levelsAt(p, frame);
     move(p.time[frame]);
     const drawn = [[], [], [], [], [], [], [], []];
@@ -178,8 +188,8 @@ class Pane {
     drawn.forEach((nodes, shade) => {
       const { r, g, b } = colors[shade];
       for (const n of nodes) {
-        const at = arrays.mesh_of_row[rowOf(n, levels[n])], mesh = this.mesh(at), from = at < 0 ? sphere : own;
-        const i = mesh.count === undefined ? 0 : mesh.count, to = mesh.instanceMatrix.array, tint = mesh.instanceColor.array;
+        const at = this.rough ? ROUGH : arrays.mesh_of_row[rowOf(n, levels[n])], mesh = this.mesh(at), from = at < 0 ? sphere : own;
+        const i = mesh.count, to = mesh.instanceMatrix.array, tint = mesh.instanceColor.array;
         for (let k = 0; k < 16; k++) to[16 * i + k] = from[16 * n + k];
         if (place[n] >= 0) { to[16 * i + 12] += moved[2 * place[n]]; to[16 * i + 13] += moved[2 * place[n] + 1]; }
         tint[3 * i] = r; tint[3 * i + 1] = g; tint[3 * i + 2] = b;
@@ -207,19 +217,26 @@ class Pane {
     };
     const sizeOf = (n) => Math.min(Math.max(unit * arrays.radius_m[n], 2), height / 12);
     if (!this.ground) {
-      this.ground = new OffscreenCanvas(width, height);
-      const dim = this.ground.getContext("2d");
+      const dim = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
       dim.fillStyle = "#171b21"; dim.fillRect(0, 0, width, height); dim.fillStyle = "#39414c";
       for (let n = 0; n < N; n++) if (place[n] < 0) { const [x, y] = at(n), s = Math.min(sizeOf(n), 3); dim.fillRect(x - s / 2, y - s / 2, s, s); }
       dim.strokeStyle = "#8b95a3"; dim.lineWidth = 1; dim.beginPath();
       for (let g = 0; g < p.frames; g++) dim.lineTo(X(p.eye[3 * g]), Y(p.eye[3 * g + 1]));
       dim.stroke();
+      this.ground = new Uint32Array(dim.getImageData(0, 0, width, height).data.buffer);
+      this.picture = new ImageData(width, height);
     }
-    draw.drawImage(this.ground, 0, 0);
+    /* Squares are written as pixels, many times as fast as by the canvas. */
+    const pixels = new Uint32Array(this.picture.data.buffer);
+    pixels.set(this.ground);
     drawn.forEach((nodes, shade) => {
-      draw.fillStyle = SHADES[shade];
-      for (const n of nodes) { const [x, y] = at(n), s = sizeOf(n); draw.fillRect(x - s / 2, y - s / 2, s, s); }
+      for (const n of nodes) {
+        const [x, y] = at(n), s = sizeOf(n), left = Math.max(Math.round(x - s / 2), 0), right = Math.min(Math.round(x + s / 2), width);
+        for (let row = Math.max(Math.round(y - s / 2), 0); row < Math.min(Math.round(y + s / 2), height); row++)
+          if (right > left) pixels.fill(PIXELS[shade], row * width + left, row * width + right);
+      }
     });
+    draw.putImageData(this.picture, 0, 0);
     draw.strokeStyle = "#ffffff"; draw.lineWidth = 1.5;
     for (let g = frameAt(p, p.time[f] - RECENT_S); g <= f; g++)
       for (let c = p.start[g]; c < p.start[g + 1]; c++) if (p.isSwitch[c] && p.time[g] > p.time[f] - RECENT_S) {
@@ -232,6 +249,8 @@ class Pane {
     draw.fillStyle = "#ffffff"; draw.beginPath(); draw.arc(...eye, 4, 0, 2 * Math.PI); draw.fill();
   }
 }
+
+const panes = all(".pane").map((root, side) => new Pane(root, Math.min(side, policies.length - 1)));
 
 /* The plot of frame times: a line for each side, the budget, and when each switches. */
 const times = one(".times"), board = one("canvas", times), scrub = one(".scrub"), cursor = one(".cursor");
@@ -254,8 +273,13 @@ function plot() {
   });
 }
 
-/* Both sides show the frame that began last at one time of the path. */
-let asked = false;
+/* Both sides show the frame that began last at one time of the path.  Where whole pictures take too
+   long to follow the scrubber, what moves is rough, and what rests is whole. */
+let asked = false, before = -Infinity, late = 0, resting = 0, slow = SOFTWARE;
+function rest() {
+  clearTimeout(resting);
+  resting = setTimeout(() => { if (!playing && slow) requestAnimationFrame(() => { for (const pane of panes) pane.draw(now, false); }); }, REST_MS);
+}
 function ask() {
   if (asked) return;
   asked = true;
@@ -266,7 +290,12 @@ function ask() {
       if (now >= END) { now = END; stop(); }
       scrub.value = now;
     }
-    for (const pane of panes) pane.draw(now);
+    const passed = stamp - before;
+    if (passed > SMOOTH_MS && passed < 25 * SMOOTH_MS && panes.some((pane) => pane.rough === false)) late++; else late = 0;
+    if (late >= 3) slow = true;
+    before = stamp;
+    for (const pane of panes) pane.draw(now, slow);
+    if (slow) rest();
     cursor.style.left = 100 * now / END + "%";
     one(".at").textContent = `${now.toFixed(2)} of ${END.toFixed(2)} s`;
     if (!document.documentElement.dataset.ready) { document.documentElement.dataset.ready = "1"; performance.mark("first-picture"); }
@@ -285,12 +314,11 @@ function step(way) {
   let best = null;
   for (const { policy: p } of panes) for (const f of p.switches) {
     const t = p.time[f];
-    if (way > 0 ? t > now + 1e-6 && (best === null || t < best) : t < now - 1e-6 && (best === null || t > best)) best = t;
+    if (way > 0 ? t > now + SAME_S && (best === null || t < best) : t < now - SAME_S && (best === null || t > best)) best = t;
   }
   if (best !== null) seek(best);
 }
-function keep() { history.replaceState(null, "", `#t=${now.toFixed(4)}&sides=${panes.map((p) => p.select.selectedIndex).join(".")}`); }
-const panes = all(".pane").map((root, side) => new Pane(root, Math.min(side, policies.length - 1)));
+function keep() { history.replaceState(null, "", `#t=${now.toFixed(6)}&sides=${panes.map((p) => p.select.selectedIndex).join(".")}`); }
 function read() {
   const words = new URLSearchParams(location.hash.slice(1)), sides = (words.get("sides") || "").split(".");
   panes.forEach((pane, i) => { if (sides[i] && policies[+sides[i]]) pane.choose(+sides[i]); });
