@@ -1,9 +1,9 @@
 """Damage files of all formats by seed, read each as the command line does, and tell what happened.
 
-    python tests/damaged/damage_run.py --each 250 --table docs/damaged-files.md
+    python tests/damaged/damage_run.py --each 145 --results out/damaged.jsonl
 
 Readers run in child processes with limits, one at a time: a child that dies or hangs is one
-failure, and the next goes on after it.
+failure, and the next goes on after it.  Seeds of which the file of results has as many are skipped.
 """
 
 import argparse
@@ -18,21 +18,41 @@ import sys
 import tempfile
 import time
 import traceback
-from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, TextIO, TypeAlias
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from camera_seeds import camera_seeds
 from damage import damage
-from damage_seeds import READERS, Seed, make_seeds
+from log_seeds import log_seeds
+from record_seeds import READERS, record_seeds
+from scene_seeds import mesh_seeds, placement_seeds, scene_seeds, tileset_seeds
+from seed import Seed
+
+Result: TypeAlias = dict[str, Any]
+"""What happened to a damaged file: exit code, seconds, peak of memory, what was wrong, the line."""
 
 MOST_S, MOST_BYTES, LONGEST = 2.0, 1 << 30, 300
 """Of processor time and of memory that a file may take, and characters of a line about it."""
 
 _HANG_S, _ADDRESS_BYTES = 60, 6 << 30
 _OURS = ("warning: ", "note: ", "error: ")
+
+
+_MAKERS = (
+    *(scene_seeds, tileset_seeds, placement_seeds, mesh_seeds),
+    *(record_seeds, log_seeds, camera_seeds),
+)
+
+
+def make_seeds(scratch: Path) -> list[Seed]:
+    """Return whole files of all formats, made in an empty folder."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        return [seed for make in _MAKERS for seed in make(scratch)]
 
 
 def damaged(seed: Seed, number: int) -> dict[str, bytes]:
@@ -81,19 +101,21 @@ def judge(code: int, out: str, err: str, seconds: float, peak: int) -> list[str]
     return wrong
 
 
-def run_child(seed: Seed, first: int, count: int, report: TextIO, scratch: Path) -> None:
+def run_child(seed: Seed, first: int, count: int, report: TextIO, *, scratch: Path) -> None:
     """Read the damaged files of one seed, a line of JSON about each."""
     resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_BYTES, _ADDRESS_BYTES))
     with tempfile.TemporaryDirectory(dir=scratch) as folder:
         here = Path(folder)
-        _read_files(seed, seed.files, here)  # libraries are imported, caches filled by a whole one
+        whole = _read_files(seed, seed.files, here)
+        if whole["code"] or whole["wrong"]:
+            raise RuntimeError(f"{seed.name}: expected it to be read while whole, got {whole}")
         for number in range(first, first + count):
             print(json.dumps({"begins": number}), file=report, flush=True)
             line = _read_files(seed, damaged(seed, number), here)
             print(json.dumps({"number": number, **line}), file=report, flush=True)
 
 
-def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> dict[str, Any]:
+def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> Result:
     os.chdir(here)  # files go by short names, of which messages are full
     for old in here.iterdir():
         old.unlink()
@@ -142,15 +164,13 @@ def _peak_bytes() -> int:
     return 1024 * int(line.split()[1])
 
 
-def run_seed(seed: Seed, count: int, scratch: Path) -> Iterator[dict[str, Any]]:
+def run_seed(seed: Seed, count: int, scratch: Path) -> Iterator[Result]:
     """Yield what happened to each damaged file of a seed, whatever happens to the child."""
     first = 0
     while first < count:
         at = first - 1
-        with _forked(lambda report: run_child(seed, first, count - first, report, scratch)) as (
-            pid,
-            lines,
-        ):
+        work = partial(run_child, seed, first, count - first, scratch=scratch)
+        with _forked(work) as (pid, lines):
             with _watched(pid) as again:
                 for line in lines:
                     again()
@@ -203,34 +223,24 @@ def _watched(pid: int) -> Iterator[Callable[[], object]]:
         signal.alarm(0)
 
 
-def run_all(scratch: Path, each: int, only: str, log: Path | None) -> list[dict[str, Any]]:
-    """Return what happened to all damaged files; failures are logged as they come."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        seeds = make_seeds(scratch)
-    chosen = [seed for seed in seeds if only in f"{seed.family}/{seed.name}"]
-    for seed in {seed.family: seed for seed in chosen}.values():
+def run_all(scratch: Path, each: int, only: str, known: Sequence[Result] = ()) -> Iterator[Result]:
+    """Yield what happens to so many damaged files of each seed, beyond those that are known."""
+    done = Counter((result["family"], result["name"]) for result in known)
+    seeds = [seed for seed in make_seeds(scratch) if only in f"{seed.family}/{seed.name}"]
+    missing = [seed for seed in seeds if done[seed.family, seed.name] < each]
+    for seed in {seed.family: seed for seed in missing}.values():
         _read_files(seed, seed.files, scratch)  # what a command imports, children then have
-    results: list[dict[str, Any]] = []
-    for seed in chosen:
-        for result in run_seed(seed, each, scratch):
-            results.append(result)
-            if result["wrong"] and log:
-                with log.open("a", encoding="utf-8") as file:
-                    print(json.dumps(result), file=file)
-        failed = sum(bool(result["wrong"]) for result in results)
-        print(f"{seed.family}/{seed.name}: {failed} of {len(results)} so far", file=sys.stderr)
-    return results
+    for seed in missing:
+        yield from run_seed(seed, each, scratch)
 
 
-def table_of(results: list[dict[str, Any]]) -> str:
+def table_of(results: list[Result]) -> str:
     """Return a table by family, in Markdown."""
-    groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    groups: dict[str, list[Result]] = defaultdict(list)
     for result in results:
         groups[result["family"]].append(result)
-    rows = [
-        "| files | seeds | damaged | read all the same | refused in a line | other | slowest s | largest MiB |",
-        "|---|--:|--:|--:|--:|--:|--:|--:|",
-    ]
+    heads = ("files", "seeds", "damaged", "read", "refused", "other", "slowest s", "largest MiB")
+    rows = [f"| {' | '.join(heads)} |", f"|---{'|--:' * 7}|"]
     for family, found in (*groups.items(), ("**all**", results)):
         seeds = len({(r["family"], r["name"]) for r in found})
         wrong = sum(bool(r["wrong"]) for r in found)
@@ -247,11 +257,18 @@ def main() -> int:
     """Run what the command line asks for; 1 if a file was not as it has to be."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--each", type=int, default=10, help="damaged files of each seed")
-    parser.add_argument("--only", default="", help="part of a family or a name")
-    parser.add_argument("--log", type=Path, help="write a line of JSON for each failure")
+    parser.add_argument("--only", default="", help="part of family/name")
+    parser.add_argument("--results", type=Path, required=True, help="a line of JSON a file")
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        results = run_all(Path(folder), given.each, given.only, given.log)
+    lines = given.results.read_text().splitlines() if given.results.exists() else []
+    results: list[Result] = [json.loads(line) for line in lines]
+    with tempfile.TemporaryDirectory() as folder, given.results.open("a") as file:
+        for result in run_all(Path(folder), given.each, given.only, results):
+            print(json.dumps(result), file=file, flush=True)
+            results.append(result)
+            if result["wrong"]:
+                told = (result["family"], result["name"], result["number"], *result["wrong"])
+                print(*told, sep=" | ", file=sys.stderr)
     print(table_of(results))
     return int(any(result["wrong"] for result in results))
 
