@@ -16,8 +16,10 @@ import resource
 import signal
 import sys
 import tempfile
+import threading
 import time
 import traceback
+import warnings
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -89,7 +91,7 @@ def judge(code: int, out: str, err: str, seconds: float, peak: int) -> list[str]
         wrong.append("several errors")
     foreign = [line for line in lines if not line.startswith(_OURS)]
     if foreign:
-        wrong.append(f"leaked: {foreign[-1][:200]}")
+        wrong.append(f"leaked: {foreign[0][:200]}")
     if any(len(line) > LONGEST for line in lines):
         wrong.append(f"a line of {max(map(len, lines))} characters")
     if not all(line.isprintable() for line in (*lines, *out.splitlines())):
@@ -122,7 +124,12 @@ def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> Result:
     for name, content in files.items():
         (here / name).write_bytes(content)
     out, err, code, raised = io.StringIO(), io.StringIO(), -1, ""
-    with tempfile.TemporaryFile("w+", errors="replace") as leaked, _file_two(leaked):
+    with (
+        tempfile.TemporaryFile("w+", errors="replace") as leaked,
+        _file_two(leaked),
+        warnings.catch_warnings(record=True) as warned,
+    ):
+        warnings.simplefilter("always")  # each, and not only the first of its place in the code
         Path("/proc/self/clear_refs").write_text("5")  # the peak counts anew
         began = time.process_time()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
@@ -132,7 +139,8 @@ def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> Result:
                 raised = traceback.format_exc()
         seconds = time.process_time() - began
         leaked.seek(0)
-        texts = err.getvalue() + leaked.read()
+        told = [f"{each.category.__name__}: {each.message}\n" for each in warned]
+        texts = "".join((err.getvalue(), leaked.read(), *told))
     wrong = judge(code, out.getvalue(), texts, seconds, _peak_bytes())
     if raised:
         wrong.insert(0, "traceback: " + raised.strip().splitlines()[-1][:200])
@@ -195,7 +203,10 @@ def run_seed(seed: Seed, count: int, scratch: Path) -> Iterator[Result]:
 def _forked(work: Callable[[TextIO], None]) -> Iterator[tuple[int, TextIO]]:
     """Do some work in a copy of this process, which need not import all again; yield its lines."""
     from_child, to_parent = os.pipe()
-    pid = os.fork()
+    with warnings.catch_warnings():
+        # Threads of Arrow, which Python 3.12 warns of, do nothing in the copy.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        pid = os.fork()
     if pid == 0:
         os.close(from_child)
         status = 1
@@ -213,14 +224,21 @@ def _forked(work: Callable[[TextIO], None]) -> Iterator[tuple[int, TextIO]]:
 
 
 @contextlib.contextmanager
-def _watched(pid: int) -> Iterator[Callable[[], object]]:
+def _watched(pid: int) -> Iterator[Callable[[], None]]:
     """End a child that says nothing for too long; yield what is to be called when it does."""
-    signal.signal(signal.SIGALRM, lambda *_: os.kill(pid, signal.SIGKILL))
-    signal.alarm(2 * _HANG_S)
+    timer = threading.Timer(2 * _HANG_S, os.kill, (pid, signal.SIGKILL))
+    timer.start()
+
+    def again() -> None:
+        nonlocal timer
+        timer.cancel()
+        timer = threading.Timer(_HANG_S, os.kill, (pid, signal.SIGKILL))
+        timer.start()
+
     try:
-        yield lambda: signal.alarm(_HANG_S)
+        yield again
     finally:
-        signal.alarm(0)
+        timer.cancel()
 
 
 def run_all(scratch: Path, each: int, only: str, known: Sequence[Result] = ()) -> Iterator[Result]:
