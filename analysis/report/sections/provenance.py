@@ -29,7 +29,8 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "hardware", f"{comparison.hardware}: {measured}; {c.hardware_source}"
     yield "display", f"{c.display}, {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
     in_flight = counted(c.frames_in_flight, "frame")
-    yield "pipeline", f"{in_flight} in flight, {pacing}, fovy {c.fovy_deg:g}°"
+    yield "pipeline", f"{in_flight} in flight, {pacing}"
+    yield "field of view", f"{c.fovy_deg:.4g}° vertical {c.fovy_of}".rstrip()
     yield "cross-fade", f"{c.crossfade_ms:g} ms"
     yield "timers", f"read {counted(c.measurement_delay, 'frame')} after completion"
     yield "budget", f"{comparison.budget_ms:.6g} ms, exceeded for {comparison.miss:.2%} at most"
