@@ -11,7 +11,6 @@ from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
 from ..models.machine.cost_terms.term import LevelChanges
 from ..models.machine.frame_cost import FrameCost
-from ..models.scene.camera import Camera
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.selection import Selection
@@ -29,6 +28,7 @@ from .frame_log import CountRows
 from .level_history import LevelRecorder
 from .loader import Memory
 from .replay_options import ReplayOptions
+from .sight import Sight
 from .simulated_machine import Machine, Submitted
 
 _NS_PER_MS = 1e6
@@ -91,7 +91,7 @@ class FrameRecorder:
         tree: Tree | None,
         truth: CostModel,
         options: ReplayOptions,
-        camera: Camera,
+        sight: Sight,
         machine: Machine,
         memory: Memory,
         *,
@@ -101,7 +101,12 @@ class FrameRecorder:
     ) -> None:
         costs = FrameCost(truth, scene.types.levels)
         self._accounting = Accounting(
-            scene, costs, round(options.crossfade_ms * _NS_PER_MS), camera, options.visible_px
+            scene,
+            costs,
+            round(options.crossfade_ms * _NS_PER_MS),
+            sight.first,
+            options.visible_px,
+            sight.cameras,
         )
         self._fronts = (
             None if tree is None else Fronts(tree, self._accounting.viewport_px, options.visible_px)

@@ -13,7 +13,7 @@ from lodbench.base.predictors import CHANGE_PREDICTORS, GPU_PREDICTORS, LEVEL_PR
 from lodbench.models.machine import cost_terms
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from lodbench.models.machine.cost_terms.term import LevelChanges
+from lodbench.models.machine.cost_terms.term import LevelChanges, Pass
 from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.machine.knee import Knee
 from lodbench.models.machine.picture_units import view_units
@@ -29,6 +29,11 @@ class Seen(NamedTuple):
     area_px: FloatArray
     covered_px: FloatArray
     inside_share: FloatArray
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """One camera draws all."""
+        return (Pass(np.ones(len(self.area_px), dtype=np.bool_), self),)
 
 
 def seen(area_px: list[float], covered_px: list[float] | None = None) -> Seen:
