@@ -1,7 +1,7 @@
 """Calibration: its frames spread the predictors so that a fit can tell their costs apart."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import astuple, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,10 @@ from lodbench.models.meshes.geometry import LevelMesh
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
 from lodbench.render.gl.calibration import Calibration
-from lodbench.render.gl.opengl_machine import GlMachine
+from lodbench.render.gl.draw_list import Picture
+from lodbench.render.gl.opengl_machine import COUNTED, GlMachine
 from lodbench.render.gl.recorder import Recording, record, recorded_hardware
-from lodbench.render.gl.renderer import Timing
+from lodbench.render.gl.renderer import Renderer, Timing
 from lodbench.render.gl.shuffled_programme import drawing_order, record_programme
 from lodbench.sim.replay import ReplayOptions
 
@@ -66,6 +67,39 @@ def recorded(drawing: Any, make_trace: Any, llvmpipe: Any) -> Callable[..., Reco
 def test_the_design_of_a_fit_is_well_posed(recorded: Any, seed: int) -> None:
     """Small errors of the times do not become large ones of the costs."""
     assert condition(recorded(seed, FRAMES).columns) < 40.0
+
+
+class Counting:
+    """In place of a machine that measures: counts, and draws nothing."""
+
+    doubt = None
+
+    def __init__(self, renderer: Renderer) -> None:
+        self.renderer, self.counted = renderer, list[tuple[float, ...]]()
+
+    def measure(self, picture: Picture, expected: tuple[float, ...]) -> float:
+        """Count."""
+        frame = self.renderer.prepare(picture)
+        self.counted.append((*astuple(self.renderer.count(frame)), 0.0, *expected))
+        return 0.0
+
+    def rows(self) -> dict[str, Any]:
+        """Return the counts."""
+        return dict(zip(COUNTED, np.array(self.counted).T, strict=True))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_costs_are_told_apart_on_plaza(
+    target: Any, plaza: Any, tour: Any, llvmpipe: Any, seed: int
+) -> None:
+    """As the guide has it: errors come back in costs 14 times as large at most."""
+    scene, geometry = plaza
+    counting: Any = Counting(Renderer(target, scene, geometry, instancing=False))
+    options = ReplayOptions(budget_ms=5.0, seed=seed, frames=400)
+    hardware = recorded_hardware(llvmpipe, (160, 90))
+    found = record_programme(scene, tour, hardware, options, counting, name="it")
+    assert 10.0 < condition(found.columns) < 14.0
 
 
 def test_a_policy_leaves_it_singular(recorded: Any) -> None:
