@@ -50,11 +50,12 @@ def recorded(drawing: Any, make_trace: Any, llvmpipe: Any) -> Callable[..., Reco
     trace = make_trace([(0.0, 0.0, 0.0), (0.0, 0.0, -40.0)], time_s=[0.0, FRAMES * 0.02])
     hardware = recorded_hardware(llvmpipe, (160, 90))
 
-    def walk(seed: int, frames: int, policy: str | None = None) -> Recording:
+    def walk(seed: int, frames: int, policy: str | None = None, **more: Any) -> Recording:
         machine = GlMachine(renderer, device, repeats=1, warmup=1)
         options = ReplayOptions(budget_ms=5.0, seed=seed, frames=frames)
         if policy is None:
-            return record_programme(made.scene, trace, hardware, options, machine, name="it")
+            where = (made.scene, trace, hardware, options, machine)
+            return record_programme(*where, name="it", **more)
         made_policy = parse_policy(policy).make()
         return record(
             made_policy, made.scene, trace, hardware, options, machine, machine, name="a walk"
@@ -147,6 +148,22 @@ def test_each_frame_is_drawn_twice_apart_and_told_in_the_order_of_the_path(recor
         assert columns[name][::2].tolist() == columns[name][1::2].tolist()
     assert columns["triangles"][::2].tolist() == found.frames["triangles"].tolist()
     assert columns["frame_ms"][::2].tolist() != columns["frame_ms"][1::2].tolist()
+
+
+def test_a_second_pass_that_is_stopped_leaves_the_first(recorded: Any) -> None:
+    """When the first pass is over its log is told, in the order of the path."""
+    kept: list[Recording] = []
+
+    def stop(found: Recording) -> None:
+        kept.append(found)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        recorded(5, 30, on_pass=stop)
+    whole, first = recorded(5, 30).columns, kept[0].columns
+    assert first["pass"].tolist() == [0.0] * 30
+    for name in (*COUNTS, "trace_s", "drawn_at"):
+        assert first[name].tolist() == whole[name][::2].tolist()
 
 
 def test_the_order_of_drawing_tells_nothing_of_the_path() -> None:
