@@ -201,7 +201,7 @@ def policies(found: Record) -> Rows:
         for policy in case["policies"]:
             errors, detail = policy["errors"], policy["detail"]
             slope = None if detail is None else detail["slope_pct"]
-            quarters = [] if detail is None else detail["quarters_pct"]
+            quarters: list[float] = [] if detail is None else detail["quarters_pct"]
             compared = [errors[name] for name in ("model", "v_time", "simulation", "again")]
             yield (
                 *(name_of(case), policy["label"], *map(plus_minus, compared)),
