@@ -48,7 +48,7 @@ class Extent:
     size: str = "320x180"
     seconds: str = "0:2"
     warmup: str = "0.4"
-    steps: str = "400"
+    steps: str = "300"
     walk: str = "0:10"
     every: str = "80"
     replicates: str = "40"
@@ -330,6 +330,10 @@ def write(folder: Path, page: Path, images: Path) -> None:
         "lag": table(*lag(deep)),
         "pictures": table(*pictures(tables)),
         "ranks": table(*ranks(tables)),
+        "agreement": "![Metrics simulated, with their intervals, over measured ones]"
+        "(images/validation-agreement.png)",
+        "series": "![Frame times measured and simulated along a path]"
+        "(images/validation-series.png)",
     }
     write_blocks(page, "docs/scripts/validation_tables.py", blocks)
     images.mkdir(exist_ok=True)

@@ -1,5 +1,6 @@
 """The tables of the page of validation: what a record says is what the page says."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,19 @@ import numpy as np
 import pytest
 import trimesh
 from validation_meshes import write_meshes
-from validation_tables import decision, error_cells, inside, inside_text, lag, rank_text, verdicts
+from validation_tables import (
+    CALIBRATED,
+    DOCS,
+    decision,
+    error_cells,
+    inside,
+    inside_text,
+    lag,
+    rank_text,
+    verdicts,
+)
+
+from lodbench.analysis.validation.study_file import read_cases
 
 Record = dict[str, Any]
 
@@ -64,6 +77,26 @@ def test_lag_is_told_with_what_it_is_off_by() -> None:
     case = {"frames_in_flight": 2, "policies": [{"label": "feedback", "metrics": metrics}]}
     row = list(lag({"cases": [case]}))[1]
     assert row == ("feedback", "2", "10", "11 (9 to 12)", "+10 %", "5", "5.5")
+
+
+def test_the_study_that_the_page_shows_is_one(tmp_path: Path) -> None:
+    """Its cases read as they stand, and so do those that the page is measured by."""
+    page = (DOCS / "validation.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    study = tmp_path / "study.toml"
+    study.write_text(block, encoding="utf-8")
+    first, second = read_cases(study)
+    assert (first.scene, first.budget_ms, first.seconds) == ("mine.lodscene", 8.0, "0:5")
+    assert (second.frames_in_flight, second.threads, second.policies) == (2, 1, ("feedback",))
+    measured = read_cases(DOCS / "scripts" / "validation.toml")
+    scenes = [case.scene for case in measured]
+    assert len(set(scenes)) >= 4
+    assert all(scenes.count(scene) == 2 for scene in scenes)
+    assert not {scene for scene, _ in CALIBRATED} & set(scenes)
+    deep = read_cases(DOCS / "scripts" / "validation_lag.toml")
+    assert {case.frames_in_flight for case in deep} == {1, 2, 3, 4}
+    # What the CPU takes is one number of a case.
+    assert all(case.policies is not None and len(case.policies) == 1 for case in deep)
 
 
 @pytest.mark.slow
