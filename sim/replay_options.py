@@ -35,7 +35,7 @@ class ReplayOptions:
         Compute the bound behind `optimality` in every so many frames, 0 for never; flat scenes
         only.  Frames of an oracle always have theirs.
     draw : int or None
-        Posterior draw that plays the truth; None for the profile's mean.
+        Draw of the machine that plays the truth; None for the profile's mean.
     memory_bytes : float or None
         Bound of the loader; None for the profile's.
     visible_px : float

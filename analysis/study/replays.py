@@ -57,7 +57,7 @@ class Place:
     knob : float or None
         Value of the policy's knob; None for its own parameters.
     draw : int or None
-        Posterior draw of the cost model; None for its mean.
+        Draw of the machine; None for its mean.
     logged : bool
         Whether its frame log is wanted.
     """

@@ -26,7 +26,7 @@ class Run:
     scene, trace, hardware : str
         Content hashes of the inputs.
     options : ReplayOptions
-        Its `draw` is the posterior draw that plays the truth, None for the profile's mean.
+        Its `draw` is the draw of the machine that plays the truth, None for the profile's mean.
     warmup_s : float
         Seconds at the start of the path that do not count.
     miss : float

@@ -66,7 +66,7 @@ class Study:
     seeds
         Seeds of all noise, or a number of them, from 0 on.
     draws
-        Posterior draws of the cost model that play the truth, None for the profile's mean; or a
+        Draws of the machine that play the truth, None for the profile's mean; or a
         number of them, evenly spaced (the mean where a profile has none, or the number is 0).
     fovy_deg, crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
         As `ReplayOptions` has them.

@@ -25,7 +25,7 @@ class Judged:
     runs : tuple of tuple of Scored
         By judged path, then by seed; each path at the knob that was tuned without it.
     drawn : tuple of tuple of Scored
-        By posterior draw, then by path: the first paths on other machines.
+        By draw of the machine, then by path: the first paths on other machines.
     point_ms : (t,) float64
         Work time that the budget judges, at the recommended knob, on every path at hand.
     """

@@ -68,7 +68,8 @@ Quick = Annotated[
     bool, Option("--quick", help="4 paths of 6 s in place of 10 of 12 s, at less certainty.")
 ]
 Draws = Annotated[
-    int, Option(help="Posterior draws of the cost model to replay, if there are any.")
+    int,
+    Option(help="Draws of the machine, of its fit and its scatter, to replay, if there are any."),
 ]
 Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results are the same.")]
 Scheduler = Annotated[

@@ -17,7 +17,6 @@ from lodbench.analysis.study.compare import (
     QUICK_PATHS,
     CompareSettings,
     compare,
-    compared_policies,
 )
 from lodbench.analysis.study.comparison import Comparison
 from lodbench.analysis.study.engine.open_engine import prepare_engine
@@ -42,6 +41,13 @@ quad-fragment merging, 2010)."""
 
 HIDDEN = 0.5
 """Share of objects, or of samples, that others hide."""
+
+POLICIES = (
+    *("static-distance", "static-screen", "feedback", "funkhouser", "gobbetti", "wimmer", "zach"),
+    *("screen-space-error", "pixel-error", "cluster-cut"),
+)
+"""Ladders, a controller, budget policies and tolerances: of all that a comparison has by default,
+those of the first ranks, and of each kind another."""
 
 Variant = Callable[[HardwareProfile], HardwareProfile]
 
@@ -124,10 +130,10 @@ VARIANTS: dict[str, tuple[str, Variant]] = {
 
 
 def quick_comparison(variant: Variant) -> Comparison:
-    """Return what ``lodbench compare --quick`` says of a variant of its profile."""
+    """Return what ``lodbench compare --quick`` says of ten policies on a variant of its profile."""
     hardware, scene = variant(load_hardware("desktop-assumed")), load_scene(DEFAULT_SCENE)
     paths = load_paths([DEFAULT_TRACE], scene, paths=QUICK_PATHS, length_s=QUICK_LENGTH_S)
-    policies = [parse_policy(text) for text in compared_policies()]
+    policies = [parse_policy(text) for text in POLICIES]
     options = ReplayOptions(budget_ms=hardware.budget_ms(None))
     return compare(policies, scene, paths, hardware, options, CompareSettings(workers=1)).comparison
 

@@ -34,7 +34,7 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "visible", f"from {comparison.visible:g} px on; margin {comparison.margin:.0%}"
     yield "seed", f"{comparison.seed}, {s.seeds} seeds a path"
     yield "tuning", s.tuned_on
-    draws = f", {s.draws} posterior draws of the cost model" if s.draws else ""
+    draws = f", {s.draws} draws of the machine" if s.draws else ""
     yield "intervals", f"{s.level:.0%}, {comparison.population}{draws}"
     yield "made by", f"lodbench {made.version}, code {made.code[:12]}"
     for name, digest in made.hashes.items():

@@ -1,4 +1,4 @@
-"""Axes of a study's conditions: replay options, the display, and draws of the cost model."""
+"""Axes of a study's conditions: replay options, the display, and draws of the machine."""
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -62,14 +62,14 @@ def named_axis(name: str, given: Any) -> Axis:
 def draw_axis(
     draws: int | Iterable[int | None], profiles: Mapping[str, HardwareProfile]
 ) -> tuple[Axis, Exclusions]:
-    """Return the axis of posterior draws, and the draws that each profile leaves out.
+    """Return the axis of draws of the machine, and the draws that each profile leaves out.
 
     Raises `InputError` if a profile has no such draw.
 
     Parameters
     ----------
     draws
-        Draws, None for the mean; or a number of them, evenly spaced over those of each profile.
+        Draws, None for the mean; or a number of them, spread over those of each profile.
     profiles
         By what the axis of hardware calls them.
     """
