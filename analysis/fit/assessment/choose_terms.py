@@ -2,11 +2,11 @@
 
 Every set of predictors is fitted to every other block of frames and scored on the rest, both ways
 round, or to all scenes but one where logs of three or more are given: the mean log density of a
-held-out frame under Student's t with what the robust fit found.  To the set that this leads to,
-knees of its kinds of triangles, or a roofline, are added and scored alike.  Of the sets whose score
-is within one standard error of the best, the smallest is taken: more terms than the log supports
-make a profile that transfers badly (Hastie, Tibshirani, Friedman, "The elements of statistical
-learning", section 7.10).
+held-out frame under Student's t with what the robust fit found.  Of the sets whose score is within
+one standard error of the best, the smallest is taken: more terms than the log supports make a
+profile that transfers badly (Hastie, Tibshirani, Friedman, "The elements of statistical learning",
+section 7.10).  Then a knee of its triangles, or a roofline, is scored alike, and taken if it gains
+three standard errors.
 """
 
 from dataclasses import dataclass
@@ -31,6 +31,8 @@ _MOST_ROWS = 20_000
 _HELD = 0.95  # share of frames in which a predictor must have a value
 _VARIES = 1e-9
 _ENOUGH_TO_BEND = 200  # frames, below which knees and rooflines are not looked for
+_CLEARLY = 3.0  # standard errors
+_LEAST_GAIN = 1e-3  # nats of a frame; a bend that costs nothing gains what rounding leaves
 _ENOUGH_SCENES = 3
 _KNEES = ("triangles", "rasterized_triangles", "vertices")
 _GEOMETRY = ("triangles", "vertices")
@@ -119,12 +121,23 @@ def choose_terms(
         for chosen in combinations(names, size)
     ]
     scores = [_score(sample, terms, folds) for terms in sets]
-    best, _ = _chosen(sets, scores, groups)
-    if target != "cpu_ms" and len(sample) >= _ENOUGH_TO_BEND:
-        bent = _bent(sample, best)
-        sets += bent
-        scores += [_score(sample, terms, folds) for terms in bent]
-    return _chosen(sets, scores, groups)
+    best, candidates = _chosen(sets, scores, groups)
+    if target == "cpu_ms" or len(sample) < _ENOUGH_TO_BEND:
+        return best, candidates
+    straight = scores[sets.index(best)]
+    bent = _bent(sample, best)
+    scores += [_score(sample, terms, folds) for terms in bent]
+    gains = [_behind(score - straight, groups) for score in scores[len(sets) :]]
+    _, candidates = _chosen([*sets, *bent], scores, groups)
+    # Where a bend lies is found from the log too, of many places: it has to gain more than a term.
+    clear = [
+        place
+        for place, (gain, error) in enumerate(gains)
+        if gain > max(_CLEARLY * error, _LEAST_GAIN)
+    ]
+    if clear:
+        best = bent[max(clear, key=lambda place: gains[place][0])]
+    return best, candidates
 
 
 def _groups(sample: Sample) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -173,13 +186,8 @@ def _chosen(
     ]
     found.sort(key=lambda pair: -pair[1].log_score)
     near = [pair for pair in found if pair[1].behind <= pair[1].behind_se]
-    terms, _ = min(near, key=lambda pair: (sum(map(_size, pair[0])), pair[1].behind))
+    terms, _ = min(near, key=lambda pair: (len(pair[0]), pair[1].behind))
     return terms, tuple(candidate for _, candidate in found)
-
-
-def _size(term: Term) -> int:
-    """Return what a term adds to a model; a bend's place is found from the log too."""
-    return 1 if term.kind == "linear" else 2
 
 
 def _score(sample: Sample, terms: tuple[Term, ...], folds: NDArray[np.int64]) -> FloatArray:
