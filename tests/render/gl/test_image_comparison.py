@@ -58,7 +58,7 @@ def large() -> tuple[Scene, Geometry]:
 
 
 @pytest.fixture
-def steps(target: Any, large: Any, llvmpipe: Any, tmp_path: Path) -> Any:
+def steps(target: Any, large: Any, llvmpipe: Any, stepping: Any, tmp_path: Path) -> Any:
     """Return a function that records levels by frame, and returns the steps that it finds."""
     scene, geometry = large
     renderer = Renderer(target, scene, geometry, instancing=False)
@@ -66,8 +66,9 @@ def steps(target: Any, large: Any, llvmpipe: Any, tmp_path: Path) -> Any:
     hardware = recorded_hardware(llvmpipe, (160, 90))
 
     def find(by_frame: Sequence[int], step_ms: float, every: int = 1) -> list[PictureStep | None]:
-        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1, step_ms=step_ms)
-        machine = PictureMachine(measuring, renderer, PictureFolder(tmp_path, every))
+        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
+        stepped = stepping(measuring, step_ms)
+        machine = PictureMachine(stepped, renderer, PictureFolder(tmp_path, every))
         options = ReplayOptions(budget_ms=4.0, frames=len(by_frame))
         path = tour.stretch(20.0, 22.0)
         record(Levels(by_frame), scene, path, hardware, options, machine, measuring, name="levels")
