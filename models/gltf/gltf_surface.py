@@ -11,6 +11,7 @@ from .gltf_lod import place_parts
 from .gltf_objects import find_objects
 from .gltf_schema import pick
 from .gltf_textures import Textures
+from .named_levels import join_named_levels
 
 
 def load_ktx2_surface(path: Path) -> SurfaceMesh | None:
@@ -30,7 +31,7 @@ def load_ktx2_surface(path: Path) -> SurfaceMesh | None:
     parts: list[MeshPart] = []
     materials: set[int | None] = set()
     with about_file(path), np.errstate(over="ignore", invalid="ignore"):
-        for thing in find_objects(document):
+        for thing in find_objects(join_named_levels(document)):
             for placed in thing.levels[0] if thing.levels else ():
                 matrix = (thing.transform @ placed.transform)[:3]
                 parts += place_parts(gltf, placed, matrix)
