@@ -7,6 +7,7 @@ import pytest
 
 from lodbench import InputError
 from lodbench.base.predictors import LEVEL_PREDICTORS
+from lodbench.cli.main import run
 from lodbench.models.meshes.geometry import LevelMesh
 from lodbench.models.meshes.mesh_error import Sampling
 from lodbench.models.scene.scene_catalog import open_scene
@@ -209,8 +210,14 @@ def test_without_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         read_usd_scene(tmp_path / "none.usda", FEW)
 
 
-def test_by_its_path(tmp_path: Path) -> None:
-    """Wherever a scene is named, a USD file may stand, and has meshes to draw."""
-    opened = open_scene(str(write(tmp_path, cube("m"))))
+def test_by_its_path(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Wherever a scene is named, a USD file may stand; `scene info` tells what was not read."""
+    body = cube("m") + '\ndef Xform "a" (prepend references = @./[/b]gone.usda@)\n{\n}'
+    path = str(write(tmp_path, body))
+    opened = open_scene(path)
     assert len(opened.scene) == 1
     assert len(opened.read_geometry()) == 1
+    assert run(["scene", "info", path]) == 0
+    printed = capsys.readouterr().out
+    assert "objects with levels: 0, point instancers not read: 0, references not read: 1" in printed
+    assert "[/b]gone.usda" in printed
