@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
 
 Logs = Annotated[
     list[str] | None,
-    Argument(metavar="LOG…", help="Render logs, fitted together; or peng2011, bundled."),
+    Argument(metavar="LOG…", help="Render logs, as occasions and scenes; or peng2011, bundled."),
 ]
 Bundled = Annotated[
     str | None,
@@ -36,7 +36,8 @@ Terms = Annotated[
     str | None,
     Option(
         help="Predictors, as in draw_calls,triangles; also a*b and max(triangles,"
-        "shaded_samples).  auto, the default: the set that predicts held-out frames best."
+        "shaded_samples) and knee(triangles,158000).  auto, the default: the set that predicts "
+        "held-out frames best."
     ),
 ]
 LogFormat = Annotated[
@@ -49,8 +50,8 @@ ChainSeed = Annotated[int, Option(min=0, help="Same seed, same posterior.")]
 HeldOut = Annotated[
     str,
     Option(
-        help="blocks, halves, interleaved, leave-one-out or none; auto: blocks, or each frame in "
-        "turn where there are few."
+        help="blocks, logs, halves, interleaved, leave-one-out or none; auto: five folds of "
+        "blocks, and of three logs or more each in turn; or each frame where there are few."
     ),
 ]
 FitWorkers = Annotated[
@@ -61,7 +62,7 @@ Predict = Annotated[
     Option(metavar="LOG", help="Another log to predict from the fit; may be repeated."),
 ]
 Lag = Annotated[
-    str, Option(metavar="auto|K", help="Frames that the target is late by; auto looks for it.")
+    str, Option(metavar="auto|K", help="Frames that the target is late by; auto tries 0 to 6.")
 ]
 Join = Annotated[
     str | None,
@@ -86,6 +87,9 @@ Onto = Annotated[
     Option(
         metavar="PROFILE", help="Where the profile's other parts come from: CPU, display, disk."
     ),
+]
+Anyway = Annotated[
+    bool, Option("--anyway", help="Write a profile though it does not predict held-out frames.")
 ]
 Date = Annotated[str, Option(help="Date of the measurement, for the profile.")]
 
@@ -115,6 +119,7 @@ def fit(
     out: Out = None,
     onto: Onto = None,
     date: Date = "",
+    anyway: Anyway = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Fit a cost model to measured render logs: a hardware profile.
@@ -161,6 +166,11 @@ def fit(
     if doubt:
         print(f"warning: {doubt}: intervals are not to be trusted; raise --steps", file=sys.stderr)
     if doubt and strict:
+        raise Exit(1)
+    if out is not None and result.unfit and not anyway:
+        print(
+            f"error: {out}: not written, since {result.unfit}; --anyway writes it", file=sys.stderr
+        )
         raise Exit(1)
     if out is not None:
         from ..analysis.fit.fitted_profile import profile_of

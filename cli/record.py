@@ -9,7 +9,7 @@ from typer import Option
 from ..base.errors import InputError
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import open_named_scene
+from .shared.terminal import open_named_scene, tell_field_of_view
 
 Calibrate = Annotated[
     bool,
@@ -30,7 +30,22 @@ Images = Annotated[
 ImageEvery = Annotated[int, Option(help="Frames from picture to picture.")]
 Size = Annotated[str, Option(help="WIDTHxHEIGHT of the picture.")]
 Hardware = Annotated[str, Option(help="Profile that predictive policies go by.")]
-Steps = Annotated[int, Option(help="Poses along the trace that --calibrate draws.")]
+Clock = Annotated[
+    str,
+    Option(
+        metavar="wall|thread",
+        help="What drawings are timed by; thread is its CPU time, of llvmpipe with --threads 0.",
+    ),
+]
+FramesInFlight = Annotated[
+    int,
+    Option(
+        metavar="F",
+        help="Draw a policy's frames 1 to 4 deep, each once, and measure lag; 0 waits for each "
+        "drawing of a frame.",
+    ),
+]
+Steps = Annotated[int, Option(help="Poses along the trace that --calibrate draws, twice each.")]
 CalibrationSeed = Annotated[int, Option(help="Seed of --calibrate.")]
 
 
@@ -53,15 +68,20 @@ def record(
     steps: Steps = 1200,
     repeats: options.Repeats = 5,
     threads: options.Threads = 0,
+    clock: Clock = "wall",
+    frames_in_flight: FramesInFlight = 0,
     seed: CalibrationSeed = 0,
     place: options.Place = "shrink",
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take."""
+    from ..analysis.study.field_of_view import field_of_view
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation.image_folder import image_folder
-    from ..analysis.validation.recordings import RecordOptions, open_recorder, summary_of
+    from ..analysis.validation.record_options import RecordOptions
+    from ..analysis.validation.recording_summary import summary_of
+    from ..analysis.validation.recordings import open_recorder
     from ..models.machine.profile_catalog import load_hardware
     from ..render.gl.recorder import recorded_hardware
     from ..sim.frame_log_file import write_frame_log
@@ -76,12 +96,15 @@ def record(
     opened = open_named_scene(scene)
     path = load_trace(trace, opened.scene, place).stretch(*parse_seconds(seconds))
     budget = profile.budget_ms(budget_ms)
-    replay = ReplayOptions(budget_ms=budget, seed=seed, fovy_deg=fovy_deg)
+    replay = ReplayOptions(budget_ms=budget, seed=seed, fovy_deg=field_of_view([path], fovy_deg))
+    tell_field_of_view([path], replay.fovy_deg)
     drawing = RecordOptions(
         backend=backend,
         instancing=instancing,
         repeats=repeats,
         threads=threads,
+        clock=clock,
+        frames_in_flight=frames_in_flight,
         calibration_steps=steps,
     )
     with (
@@ -141,16 +164,21 @@ def _print(summary: dict[str, Any], *, as_json: bool) -> None:
     print(f"{log['renderer']}, {log['driver']}, {log['resolution']}, {log['date']}")
     print(
         f"{summary['frames']} frames of {summary['frame_ms_mean']:.3g} ms, "
-        f"sd {summary['frame_ms_sd']:.3g}, 95 % within {summary['frame_ms_p95']:.3g}; "
-        f"repeats of a frame spread by {summary['repeats_spread_pct']:.2g} %"
+        f"sd {summary['frame_ms_sd']:.3g}, 95 % within {summary['frame_ms_p95']:.3g}"
+        + _sentence(summary)
     )
     print(
         f"a frame: {means['draw_calls']:,.0f} draw calls, {means['triangles']:,.0f} triangles, "
-        f"{means['shaded_samples']:,.0f} samples; {means['cpu_ms']:.3g} ms to submit, "
-        f"{means['policy_ms']:.3g} ms of the policy, apart"
+        f"{means['shaded_samples']:,.0f} samples; {means['cpu_ms']:.3g} ms to submit"
+        + (f", {means['policy_ms']:.3g} ms of the policy, apart" if "policy_ms" in means else "")
     )
     if "gpu_ms" in log:
         print(f"gpu_ms {log['gpu_ms']}; frame_ms is the time to fit")
+    if "condition" in summary:
+        print(
+            "drawn twice, in shuffled order; condition number of draws, triangles, rasterized "
+            f"triangles, pixels, uploads and state changes: {summary['condition']:.3g}"
+        )
     if "pictures" in summary:
         pictures = summary["pictures"]
         print(
@@ -159,3 +187,15 @@ def _print(summary: dict[str, Any], *, as_json: bool) -> None:
             f"{100.0 * pictures['difference_mean']:.2f} % of the range, FLIP "
             f"{pictures['flip_mean']:.4f}"
         )
+
+
+def _sentence(summary: dict[str, Any]) -> str:
+    """Return what else there is to say of times: of repeats and a reference, or of lag."""
+    if "lag_ms_mean" in summary:
+        depth = summary["log"]["frames_in_flight"]
+        return f"; complete {summary['lag_ms_mean']:.3g} ms after its input, {depth} in flight"
+    mean, sd = summary["reference_ms_mean"], summary["reference_ms_sd"]
+    return (
+        f"; repeats of a frame spread by {summary['repeats_spread_pct']:.2g} %, the reference "
+        f"takes {mean:.3g} ms, sd {100.0 * sd / mean:.2g} %"
+    )

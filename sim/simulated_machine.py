@@ -3,11 +3,12 @@
 `render.gl` has another, which draws the frame and measures.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ..base.arrays import FloatArray
 from ..models.machine.cost import CostModel
 from ..models.machine.hardware import HardwareProfile
 from ..models.machine.residual import Residual
@@ -16,6 +17,7 @@ from ..policies.selection import Selection
 from ..policies.view import View
 from .accounting.switches import Drawn
 from .frame_timer import FrameNoise
+from .slow_state import SlowState
 
 
 class Submitted(NamedTuple):
@@ -57,28 +59,50 @@ class Machine(Protocol):
 
 
 class SimulatedMachine:
-    """Cost models times noise; frame k has the same noise under every policy."""
+    """Cost models times noise, which is the same under every policy.
+
+    Fast noise and spikes are those of the k-th frame, a slow state is that of the time at which a
+    frame begins: who takes half the time for a frame meets a slow second with twice the frames.
+    """
 
     def __init__(
         self,
         hardware: HardwareProfile,
         truth: CostModel,
-        scatter: Residual,
+        residual: Residual,
         seeds: tuple[np.random.SeedSequence, np.random.SeedSequence],
+        clock: Callable[[], int],
     ) -> None:
-        self._cpu, self._truth = hardware.cpu, truth
-        self._gpu_noise = FrameNoise(scatter.factors, seeds[0])
-        self._cpu_noise = FrameNoise(hardware.cpu_residual.factors, seeds[1])
+        self._cpu, self._truth, self._clock = hardware.cpu, truth, clock
+        self._gpu_noise, self._gpu_state = _noise(residual, seeds[0])
+        self._cpu_noise, self._cpu_state = _noise(hardware.cpu_residual, seeds[1])
         self._gpu_factor = 1.0
 
     def begin(self) -> Truth:
         """Draw the noise of the frame's GPU time."""
         self._gpu_factor = self._gpu_noise.next()
+        if self._gpu_state is not None:
+            self._gpu_factor *= self._gpu_state.at(self._clock())
         return Truth(self._truth, self._gpu_factor)
 
     def run(self, frame: Submitted) -> FrameTimes:
         """Price the frame."""
         cpu_ms, select_ms = self._cpu.frame_ms(frame.counts)
-        return FrameTimes(
-            select_ms, cpu_ms * self._cpu_noise.next(), frame.gpu_ms * self._gpu_factor
-        )
+        cpu_ms *= self._cpu_noise.next()
+        if self._cpu_state is not None:
+            cpu_ms *= self._cpu_state.at(self._clock())
+        return FrameTimes(select_ms, cpu_ms, frame.gpu_ms * self._gpu_factor)
+
+
+def _noise(residual: Residual, seed: np.random.SeedSequence) -> tuple[FrameNoise, SlowState | None]:
+    """Return the noise by frame and the state by time; either leaves the other as it is."""
+    of_state, of_spikes = seed.spawn(2)
+    state = SlowState(residual, of_state) if residual.slow_scale > 0.0 else None
+    if residual.spike_share == 0.0:
+        return FrameNoise(residual.factors, seed), state
+    spikes = np.random.default_rng(of_spikes)
+
+    def spiked(rng: np.random.Generator, count: int) -> FloatArray:
+        return residual.factors(rng, count) * residual.spikes(spikes, count)
+
+    return FrameNoise(spiked, seed), state

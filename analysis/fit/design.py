@@ -58,6 +58,15 @@ class Design:
             mean += np.maximum(geometry, scaled[:, -1:] * self.columns[-1])
         return mean
 
+    def slopes(self, scaled: FloatArray) -> FloatArray:
+        """Return by how much times grow with each of K scaled coefficients, (K,) to (K, n)."""
+        if self.linear:
+            return self.columns
+        k = self.additive
+        pixels = scaled[-1] * self.columns[-1] > scaled[k:-1] @ self.columns[k:-1]
+        larger = np.vstack([np.broadcast_to(~pixels, self.columns[k:-1].shape), pixels])
+        return np.vstack([self.columns[:k], self.columns[k:] * larger])
+
     def rows(self, which: BoolArray | NDArray[np.int64]) -> "Design":
         """Return the design of some of the frames, in the same units."""
         return Design(
@@ -76,6 +85,8 @@ def design_of(sample: Sample, terms: Sequence[Term], unit: FloatArray | None = N
     for term in terms:
         if term.kind == "roofline":
             roofline = {ROOFLINE + name: sample.column(name) for name in term.predictors}
+        elif term.kind == "knee":
+            additive[str(term)] = np.maximum(sample.column(term.predictors[0]) - term.at, 0.0)
         else:
             factors = [sample.column(name) for name in term.predictors]
             additive[str(term)] = np.prod(factors, axis=0)

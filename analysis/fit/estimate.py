@@ -9,27 +9,38 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .assessment.dependence import frame_worth
+from .assessment.dependence import Frames, dependence
 from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
 from .fit_frames import Sample
+from .log_summary import summary_of
+from .sampling.between_logs import (
+    OCCASION,
+    OCCASION_SCALE,
+    SCENE_SCALE,
+    BetweenLogs,
+    Levels,
+    LogSummary,
+)
 from .sampling.likelihood import (
     GaussianLikelihood,
     Likelihood,
     QuadraticLikelihood,
     StudentLikelihood,
 )
-from .sampling.optimum import highest, quadratic, starts
+from .sampling.optimum import expand, highest, highest_of, quadratic, starts
 from .sampling.posterior import LogPosterior
 from .sampling.priors import Priors
 from .sampling.sampler import Chain, Progress, SamplerOptions
 from .sampling.sampler import sample as sample_chain
+from .sampling.stretch import Stretch
 from .terms import Term
 
 Model = Literal["student-t", "gaussian"]
 
 MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
 
+_START = 0.7  # of the scale of a spread's prior, its median, where the search begins
 _KEPT = 1_000  # samples kept for predictions
 
 
@@ -56,6 +67,14 @@ class Estimate:
         if isinstance(self.posterior.likelihood, GaussianLikelihood) and self.design.linear:
             return "sufficient statistics of all frames"
         return "every frame"
+
+    @property
+    def rows_worth(self) -> float:
+        """Independent frames that would tell as much of the mean frame's cost."""
+        stretch, likelihood = self.posterior.stretch, self.posterior.likelihood
+        if isinstance(likelihood, BetweenLogs):
+            return len(self.sample) * likelihood.worth
+        return len(self.sample) * (1.0 if stretch is None else 1.0 / float(stretch.found.times[0]))
 
     @property
     def coefficients_ms(self) -> FloatArray:
@@ -95,9 +114,71 @@ def posterior_of(
         whole = LogPosterior(likelihood_of(design, sample.time_ms), priors)
         posterior = quadratic(whole, center)
         center = highest(posterior, [center])
-    worth = frame_worth(sample, design, center, posterior.likelihood)
-    posterior = LogPosterior(posterior.likelihood, priors, worth)
-    return design, posterior, highest(posterior, [center])
+    levels = Levels.of(
+        [sample.origin(log) for log in np.unique(sample.series).tolist()], design.names
+    )
+    if levels:
+        several = _between_logs(sample, design, center, posterior.likelihood, levels)
+        posterior = LogPosterior(several, priors)
+        spreads = [
+            _START * (OCCASION_SCALE if name == OCCASION else SCENE_SCALE) for name in levels.names
+        ]
+        return design, posterior, highest(posterior, [np.concatenate([center, spreads])])
+    found = dependence(_frames(sample, design, center, posterior.likelihood))
+    stretch = Stretch.of(found, center, posterior.likelihood)
+    posterior = LogPosterior(posterior.likelihood, priors, stretch)
+    return design, posterior, highest(posterior, [stretch.moved])
+
+
+def _between_logs(
+    sample: Sample, design: Design, center: FloatArray, likelihood: Likelihood, levels: Levels
+) -> BetweenLogs:
+    """Return the likelihood of several logs, about the optimum of all of them."""
+    whole = _frames(sample, design, center, likelihood)
+    growth = float(center[likelihood.names.index("growth")]) if whole.dof is not None else 0.0
+    reference_ms, pooled = float(sample.time_ms.mean()), center[: len(design.names)]
+    mean, summaries, times = np.empty(len(sample)), list[LogSummary](), 0.0
+    for log in np.unique(sample.series).tolist():
+        rows = np.flatnonzero(sample.series == log)
+        own = summary_of(whole.rows(rows), growth, reference_ms, pooled, sample.origin(log))
+        summaries.append(own[0])
+        mean[rows] = own[1]
+        times += float(own[2].times.mean()) * len(rows) / len(sample)
+    noise = _noise_about(mean, sample.time_ms, likelihood, center)
+    return BetweenLogs(summaries, levels, design.names, pooled, noise, 1.0 / times)
+
+
+def _noise_about(
+    mean: FloatArray, time_ms: FloatArray, likelihood: Likelihood, center: FloatArray
+) -> QuadraticLikelihood:
+    """Return the likelihood of the noise alone, to second order about its optimum.
+
+    It has three parameters at most, which thousands of frames tell well.
+    """
+    about = Design(("mean",), np.ones(1), mean[np.newaxis], 1)
+    students = "inverse_dof" in likelihood.names
+    whole: Likelihood = (
+        StudentLikelihood(about, time_ms, float(time_ms.mean()))
+        if students
+        else GaussianLikelihood(about, time_ms)
+    )
+
+    def of_noise(theta: FloatArray) -> FloatArray:
+        return whole(np.column_stack([np.ones(len(theta)), theta]))
+
+    names, low, high = whole.names[1:], whole.low[1:], whole.high[1:]
+    start = center[[likelihood.names.index(name) for name in names]]
+    best = highest_of(of_noise, low, high, [start])
+    return QuadraticLikelihood(names, low, high, expand(of_noise, best, low, high))
+
+
+def _frames(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> Frames:
+    """Return a sample about the optimum of its likelihood."""
+    draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
+    mean, scale = (moment[0] for moment in draws.moments(design))
+    slopes = design.slopes(theta[: len(design.names)])
+    dof = None if "inverse_dof" not in likelihood.names else float(draws.dof[0])
+    return Frames(slopes, mean, np.asarray(scale), sample.time_ms, sample.series, dof)
 
 
 def estimate(

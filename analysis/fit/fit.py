@@ -11,7 +11,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.html_table import html_table
-from ...traces.logs.checks.late import frames_late, shifted
+from ...traces.logs.checks.late import explained_by_lag, frames_late, shifted
 from ...traces.logs.log_checks import Finding, check_log
 from ...traces.logs.log_format import Columns
 from ...traces.logs.read_log import read_render_log
@@ -21,6 +21,7 @@ from .assessment.collinearity import Collinearity, examine
 from .assessment.heldout import SPLITS, HeldOut, hold_out, judge
 from .assessment.posterior_predictive import Check, check_predictive
 from .assessment.sensitivity import Sensitivity, sensitivity
+from .drift import Drift, without_drift
 from .estimate import Estimate, Model, estimate
 from .fit_frames import Sample, gather
 from .sampling.diagnostics import Diagnostics, diagnose
@@ -34,6 +35,8 @@ _COLUMNS = ("name", "mean_ms", "sd_ms", "q05_ms", "q50_ms", "q95_ms")
 
 AUTO = "auto"
 NO_SPLIT = "none"
+
+_FEWEST_LOGS = 3  # from which the others tell how logs scatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +93,15 @@ class Fit:
         Errors on other logs.
     lags : tuple of int
         Frames by which the target is late in each log; they are shifted back.
+    lag_explains : tuple of tuple of float
+        Share of the target's variance that counts of 0 to 6 rows before explain, of each log.
+    drifts : tuple of Drift
+        How the machine's speed moved in logs with reference draws; it is divided out.
+    heldout_logs : HeldOut or None
+        Error on each of three or more logs when it was held out.
+    cpu : Fit or None
+        The fit of the CPU's time in the same logs, where the target is the GPU's.
+    cpu_note : why there is none, where the logs have a time of the CPU
     """
 
     sources: tuple[Source, ...]
@@ -106,6 +118,19 @@ class Fit:
     heldout: HeldOut | None
     transfer: tuple[HeldOut, ...]
     lags: tuple[int, ...]
+    lag_explains: tuple[tuple[float, ...], ...] = ()
+    drifts: tuple[Drift, ...] = ()
+    heldout_logs: HeldOut | None = None
+    cpu: "Fit | None" = None
+    cpu_note: str = ""
+
+    @property
+    def unfit(self) -> str:
+        """Why the model does not predict frames that it was not fitted to; empty if it does."""
+        for held in filter(None, (self.heldout, self.heldout_logs)):
+            if held.unfit:
+                return f"of frames held out by {held.split}, {held.unfit}"
+        return "" if self.cpu is None else self.cpu.unfit and f"cpu_ms: {self.cpu.unfit}"
 
     @property
     def coefficients(self) -> FloatArray:
@@ -163,20 +188,33 @@ def fit_logs(
         known = ", ".join((*SPLITS, AUTO, NO_SPLIT))
         raise InputError(f"--heldout: expected one of {known}, got {options.heldout}")
     findings = _accepted([source.log for source in sources], target)
+    lag_explains = tuple(explained_by_lag(source.log, target) for source in sources)
     lags = tuple(_lag(source.log, target, options) for source in sources)
-    sources = [
-        replace(source, log=shifted(source.log, target, lag))
+    steadied = [
+        without_drift(shifted(source.log, target, lag), target)
         for source, lag in zip(sources, lags, strict=True)
     ]
-    logs = [source.log for source in sources]
+    logs = [log for log, _ in steadied]
+    sources = [replace(source, log=log) for source, log in zip(sources, logs, strict=True)]
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
     kept = None if resume is None else (resume, _identity(sample, terms, options))
+    cpu, cpu_note = _cpu(sources, target, options)
     model, sampler = options.model, options.sampler
     sampled = estimate(sample, terms, model, sampler, resume=kept, progress=progress)
-    held = None
+    held = held_logs = None
     if options.heldout != NO_SPLIT:
-        split = options.heldout
-        held = hold_out(sample, terms, model, sampler, split, workers=workers, scheduler=scheduler)
+        held = hold_out(
+            sample,
+            terms,
+            model,
+            sampler,
+            options.heldout,
+            workers=workers,
+            scheduler=scheduler,
+            whole=sampled,
+        )
+        if len(logs) >= _FEWEST_LOGS and held.split != "logs":
+            held_logs = hold_out(sample, terms, model, sampler, "logs")
     scaled = sampled.chain.flat[:, : len(sampled.design.names)]
     rng = np.random.default_rng(sampler.seed)
     return Fit(
@@ -194,7 +232,26 @@ def fit_logs(
         held,
         tuple(_transfer(sampled, log, target, options) for log in transfer),
         lags,
+        lag_explains,
+        tuple(drift for _, drift in steadied if drift is not None),
+        held_logs,
+        cpu,
+        cpu_note,
     )
+
+
+def _cpu(
+    sources: Sequence[Source], target: TimeName, options: FitOptions
+) -> tuple[Fit | None, str]:
+    """Return the fit of the CPU's time of the same frames, or why there is none."""
+    if target == "cpu_ms" or any(source.log.cpu_ms is None for source in sources):
+        return None, ""
+    if target == "frame_ms":
+        return None, "cpu_ms is a part of frame_ms here and not charged apart: the CPU costs 0"
+    try:
+        return fit_logs(sources, "cpu_ms", replace(options, terms=AUTO)), ""
+    except InputError as error:
+        return None, f"the CPU costs 0: {error}"
 
 
 def target_of(log: RenderLog) -> TimeName:
@@ -246,7 +303,7 @@ def _terms_and_frames(
         return terms, *gather(logs, predictors_of(terms), target, options.first_frames), ()
     names = candidate_predictors(logs, target)
     sample, _ = gather(logs, names, target, options.first_frames)
-    terms, candidates = choose_terms(sample)
+    terms, candidates = choose_terms(sample, target)
     return terms, *gather(logs, predictors_of(terms), target, options.first_frames), candidates
 
 

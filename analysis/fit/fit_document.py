@@ -8,7 +8,8 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...models.machine.profile_file import PER_MS
 from .fit import Fit, Source
-from .noise import residual_model
+from .fit_residual import residual_of
+from .fit_scatter import ENOUGH_SCENES, scatter_of, variance_share
 
 _DIGITS = 6  # of every number; more would differ from machine to machine
 
@@ -28,8 +29,12 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "rows_rejected": sum(rejection.count for rejection in fit.rejected),
         "rejected": {rejection.reason: rejection.count for rejection in fit.rejected},
         "likelihood": estimate.likelihood_is,
-        "rows_worth": estimate.posterior.worth * len(estimate.sample),
+        "rows_worth": estimate.rows_worth,
         "lag_frames": list(fit.lags),
+        "lag_explains": [list(shares) for shares in fit.lag_explains],
+        "drift": [asdict(drift) for drift in fit.drifts],
+        "occasions": _occasions(fit),
+        "between_scenes": _between_scenes(fit),
         "findings": [str(finding) for finding in fit.findings],
         "coefficients": {
             name: _interval(samples)
@@ -45,6 +50,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "diagnostics": asdict(fit.diagnostics) | {"doubt": fit.diagnostics.doubt},
         "predictive_checks": [asdict(check) for check in fit.checks],
         "condition_number": fit.collinearity.condition_number,
+        "variance_share": variance_share(fit),
         "collinear": [
             {
                 "columns": list(group.names),
@@ -55,10 +61,33 @@ def fit_record(fit: Fit) -> dict[str, Any]:
             for group in fit.collinearity.groups
         ],
         "heldout": None if fit.heldout is None else asdict(fit.heldout),
+        "heldout_logs": None if fit.heldout_logs is None else asdict(fit.heldout_logs),
+        "unfit": fit.unfit,
+        "cpu_note": fit.cpu_note,
+        "cpu": None if fit.cpu is None else fit_record(fit.cpu),
         "transfer": [asdict(item) for item in fit.transfer],
         "candidates": [asdict(candidate) for candidate in fit.candidates],
     }
     return _rounded(record)
+
+
+def _occasions(fit: Fit) -> dict[str, Any]:
+    """Return how many occasions there are, and the log-sd of the factor that all their times have.
+
+    Of one occasion nothing can be told: the spread is assumed.
+    """
+    origins = [fit.estimate.sample.origin(place) for place in range(len(fit.sources))]
+    count = len({origin.occasion for origin in origins})
+    found = scatter_of(fit)
+    return {"count": count, "log_sd": found.occasion, "assumed": count < 2}
+
+
+def _between_scenes(fit: Fit) -> dict[str, Any]:
+    """Return how many scenes there are, and the log-sd of each term's factor between scenes."""
+    origins = [fit.estimate.sample.origin(place) for place in range(len(fit.sources))]
+    count = len({origin.scene for origin in origins})
+    found = scatter_of(fit)
+    return {"count": count, "log_sd": dict(found.scenes), "assumed": count < ENOUGH_SCENES}
 
 
 def _source(fit: Fit, source: Source, place: int) -> dict[str, Any]:
@@ -88,12 +117,17 @@ def _noise(fit: Fit) -> dict[str, Any]:
     names, flat = estimate.chain.names, estimate.chain.flat
     reference = estimate.posterior.priors.mean_ms
     scale_ms: FloatArray = np.exp(flat[:, names.index("log_scale")])
+    residual = residual_of(fit)
     noise: dict[str, Any] = {
         "model": fit.options.model,
         "reference_ms": reference,
         "scale": _interval(scale_ms),
         "relative_scale": float(scale_ms.mean()) / reference,
-        "correlation": residual_model(relative_residuals(fit)).correlation,
+        "correlation": residual.correlation,
+        "slow_scale": residual.slow_scale,
+        "slow_time_s": residual.slow_time_s,
+        "spike_share": residual.spike_share,
+        "spike_scale": residual.spike_scale,
     }
     if "growth" in names:
         growth = flat[:, names.index("growth")]
@@ -105,15 +139,6 @@ def _noise(fit: Fit) -> dict[str, Any]:
 def _spread(samples: FloatArray) -> dict[str, float]:
     q05, q50, q95 = np.quantile(samples, (0.05, 0.5, 0.95)).tolist()
     return {"mean": float(samples.mean()), "q05": q05, "q50": q50, "q95": q95}
-
-
-def relative_residuals(fit: Fit) -> list[FloatArray]:
-    """Return residuals over the posterior mean of the time, a series of frames for each log."""
-    estimate = fit.estimate
-    width = len(estimate.design.names)
-    mean = estimate.design.mean(estimate.chain.flat[:, :width].mean(axis=0)[np.newaxis])[0]
-    residual = estimate.sample.time_ms / mean - 1.0
-    return [residual[estimate.sample.series == log] for log in range(len(fit.sources))]
 
 
 def _rounded(value: Any) -> Any:

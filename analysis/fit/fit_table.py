@@ -20,12 +20,20 @@ def print_fit(record: dict[str, Any], console: Console) -> None:
     console.print(_coefficients(record))
     for line in (*_notes(record), *_sampling(record)):
         console.print(line, markup=False)
-    if record["heldout"] or record["transfer"]:
+    held = [record["heldout"], record["heldout_logs"], *record["transfer"]]
+    if any(held):
         console.print(_errors(record))
-        for item in filter(None, (record["heldout"], *record["transfer"])):
+        for item in filter(None, held):
             if item["reason"]:
                 console.print(f"  {item['split']}: {item['reason']}", markup=False)
         console.print(f"  {THESIS}", markup=False)
+    if record["unfit"]:
+        console.print(f"not to be used for other frames: {record['unfit']}", markup=False)
+    if record["cpu"]:
+        console.print()
+        print_fit(record["cpu"], console)
+    elif record["cpu_note"]:
+        console.print(record["cpu_note"], markup=False)
 
 
 def _log_lines(record: dict[str, Any]) -> Iterator[str]:
@@ -40,6 +48,15 @@ def _log_lines(record: dict[str, Any]) -> Iterator[str]:
         yield (
             f"successive frames err alike: {record['rows']} frames are worth "
             f"{record['rows_worth']:.0f} independent ones, and count so"
+        )
+    for lag, shares in zip(record["lag_frames"], record["lag_explains"], strict=False):
+        if shares and (lag or max(shares) > shares[0]):
+            listed = ", ".join(f"{share:.0%}" for share in shares)
+            yield f"counts of 0 to 6 rows before explain {listed} of the time; lag {lag}"
+    for drift in record["drift"]:
+        yield (
+            f"{drift['log']}: its reference draws moved by {drift['range_pct']:.1f} % (5 to 95 %; "
+            f"second half over first {drift['second_half_pct']:+.1f} %); divided out"
         )
     for finding in record["findings"]:
         yield f"beware: {finding}"
@@ -84,8 +101,35 @@ def _notes(record: dict[str, Any]) -> Iterator[str]:
         text += f", {noise['growth']['mean']:.0%} of it grows with the mean"
         text += f", {noise['dof']['q50']:.3g} degrees of freedom"
     yield f"{text}; correlation of successive frames {noise['correlation']:.2f}"
+    if noise["slow_scale"]:
+        yield (
+            f"a slow state of the machine, {noise['slow_scale']:.1%}, forgotten in "
+            f"{noise['slow_time_s']:.3g} s"
+        )
+    if noise["spike_share"]:
+        yield (
+            f"spikes in {noise['spike_share']:.2%} of frames, {noise['spike_scale']:.0%} longer on "
+            "average"
+        )
+    yield from _elsewhere(record)
     yield "priors:"
     yield from (f"  {prior}" for prior in record["priors"])
+
+
+def _elsewhere(record: dict[str, Any]) -> Iterator[str]:
+    """Yield how the machine differs between occasions and scenes, if it is the GPU's time."""
+    if record["target"] == "cpu_ms":
+        return
+    occasions, scenes = record["occasions"], record["between_scenes"]
+    assumed = ", assumed" if occasions["assumed"] else ""
+    yield (
+        f"between occasions of recording (there are {occasions['count']}) all times differ by "
+        f"{occasions['log_sd']:.1%}{assumed}"
+    )
+    if scenes["log_sd"]:
+        listed = ", ".join(f"{name} {sd:.0%}" for name, sd in scenes["log_sd"].items())
+        assumed = ", assumed" if scenes["assumed"] else ""
+        yield f"between scenes (there are {scenes['count']}) costs differ: {listed}{assumed}"
 
 
 def _sampling(record: dict[str, Any]) -> Iterator[str]:
@@ -106,14 +150,16 @@ def _sampling(record: dict[str, Any]) -> Iterator[str]:
 
 
 def _errors(record: dict[str, Any]) -> Table:
-    columns = ("held out", "frames", "mean", "sd", "5 %", "25 %", "50 %", "75 %", "95 %")
+    columns = ("held out", "frames", "mean", "± se", "sd", "5 %", "25 %", "50 %", "75 %", "95 %")
     columns += ("90 % coverage", "log score")
     table = titled_table("error of prediction, % of the measured time", columns)
-    for item in filter(None, (record["heldout"], *record["transfer"])):
+    held = (record["heldout"], record["heldout_logs"], *record["transfer"])
+    for item in filter(None, held):
         table.add_row(
             item["split"],
             str(item["rows"]),
             f"{item['error_pct_mean']:.2f}",
+            f"{item['error_pct_mean_se']:.2f}" if item["error_pct_mean_se"] else "",
             f"{item['error_pct_sd']:.2f}",
             *(f"{value:.1f}" for value in item["error_pct_quantiles"]),
             f"{item['coverage_90']:.1%}",

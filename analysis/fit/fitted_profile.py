@@ -10,12 +10,13 @@ from ...base.errors import InputError
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
 from ...models.machine.cost import CostModel, CpuCostModel
 from ...models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
+from ...models.machine.knee import Knee
 from ...models.machine.residual import Residual
 from ...traces.logs.render_log import RenderLog, TimeName
 from .design import BASE, ROOFLINE
 from .fit import Fit, Source
-from .fit_document import relative_residuals
-from .noise import residual_model
+from .fit_residual import residual_of
+from .fit_scatter import identification_of, scatter_of
 from .terms import Term
 
 _DRAWS = 64
@@ -29,7 +30,10 @@ def require_for_profile(terms: Sequence[Term], target: TimeName) -> None:
     linear = CPU_PREDICTORS if target == "cpu_ms" else GPU_PREDICTORS
     for term in terms:
         geometry, pixels = term.predictors[:-1], term.predictors[-1]
-        if term.kind == "roofline" and target != "cpu_ms":
+        if term.kind == "knee":
+            good = target != "cpu_ms" and pixels in GPU_PREDICTORS
+            wanted = f"knees of {', '.join(GPU_PREDICTORS)}"
+        elif term.kind == "roofline" and target != "cpu_ms":
             good = set(geometry) <= set(LEVEL_PREDICTORS) and pixels == "shaded_samples"
             wanted = f"max(…,shaded_samples) over {', '.join(LEVEL_PREDICTORS)}"
         else:
@@ -58,13 +62,16 @@ def profile_of(
         As `require_for_profile`.
     """
     require_for_profile(fit.estimate.terms, fit.target)
-    series = relative_residuals(fit)
-    kind = "student-t" if fit.options.model == "student-t" else "gaussian"
-    residual = residual_model(series, kind)
+    residual = residual_of(fit)
     before = onto or HardwareProfile(
-        name, Provenance(""), CostModel.of(0.0, {}), CpuCostModel.of(0.0, {}), display=_display(fit)
+        name, Provenance(""), CostModel.of(0.0, {}), CpuCostModel.of(0.0, {})
     )
-    before = replace(before, name=name, provenance=_provenance(fit, date, onto))
+    before = replace(
+        before,
+        name=name,
+        provenance=_provenance(fit, date, onto),
+        display=_display(fit, before.display),
+    )
     mean = [_rounded(value) for value in fit.coefficients.mean(axis=0).tolist()]
     coefficients = dict(zip(fit.estimate.design.names, mean, strict=True))
     base = coefficients.pop(BASE)
@@ -72,13 +79,24 @@ def profile_of(
         return replace(before, cpu=CpuCostModel.of(base, coefficients), cpu_residual=residual)
     sides = [key for key in coefficients if key.startswith(ROOFLINE)]
     roofline = {key.removeprefix(ROOFLINE): coefficients.pop(key) for key in sides}
-    return replace(
+    knees = [
+        Knee(term.predictors[0], term.at, coefficients.pop(str(term)))
+        for term in fit.estimate.terms
+        if term.kind == "knee"
+    ]
+    whole = replace(
         before,
-        gpu=CostModel.of(base, coefficients, roofline),
+        gpu=CostModel.of(base, coefficients, roofline, knees),
         gpu_residual=residual,
         posterior=_posterior(fit, residual),
         frames_in_flight=1 if fit.target == "frame_ms" else before.frames_in_flight,
+        scatter=scatter_of(fit),
+        identification=identification_of(fit),
     )
+    if fit.cpu is None:
+        return whole
+    cpu = profile_of(fit.cpu, name, onto=whole)
+    return replace(whole, cpu=cpu.cpu, cpu_residual=cpu.cpu_residual)
 
 
 def _posterior(fit: Fit, residual: Residual) -> Posterior:
@@ -91,7 +109,12 @@ def _posterior(fit: Fit, residual: Residual) -> Posterior:
         np.exp(estimate.chain.flat[:, estimate.chain.names.index("log_scale")]).mean()
     )
     linear, roofline = np.zeros((2, len(draws), len(GPU_PREDICTORS)))
+    knees = [str(term) for term in estimate.terms if term.kind == "knee"]
+    knee = np.zeros((len(draws), len(knees)))
     for place, name in enumerate(names[1:], 1):
+        if name in knees:
+            knee[:, knees.index(name)] = _all_rounded(slopes[:, place])
+            continue
         into = roofline if name.startswith(ROOFLINE) else linear
         into[:, GPU_PREDICTORS.index(name.removeprefix(ROOFLINE))] = _all_rounded(slopes[:, place])
     return Posterior(
@@ -99,6 +122,7 @@ def _posterior(fit: Fit, residual: Residual) -> Posterior:
         linear,
         _all_rounded(residual.scale * scale / mean_scale),
         None if estimate.design.linear else roofline,
+        knee if knees else None,
     )
 
 
@@ -109,7 +133,7 @@ def _provenance(fit: Fit, date: str, onto: HardwareProfile | None) -> Provenance
     method = (
         f"emcee: posterior means of {fit.target} on {', '.join(map(str, estimate.terms))}, "
         f"{fit.options.model}, {len(estimate.sample)} frames worth "
-        f"{estimate.posterior.worth * len(estimate.sample):.0f} independent ones{rest}"
+        f"{estimate.rows_worth:.0f} independent ones{rest}"
     )
     return Provenance(
         source="; ".join(map(_described, fit.sources)),
@@ -136,12 +160,13 @@ def _measured_on(log: RenderLog) -> str:
     return f"{header['scene']} along {header['trace']}" if {"scene", "trace"} <= set(header) else ""
 
 
-def _display(fit: Fit) -> Display:
+def _display(fit: Fit, before: Display) -> Display:
+    """Return a display of the size that was drawn, where the log says it."""
     resolution = dict(fit.sources[0].log.header).get("resolution", "")
     width, _, height = resolution.partition("x")
     if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
-        return Display()
-    return Display(width_px=int(width), height_px=int(height))
+        return before
+    return replace(before, width_px=int(width), height_px=int(height))
 
 
 def _rounded(value: float) -> float:

@@ -57,16 +57,24 @@ def find_worst_moment(frames: MeasuredFrames, hardware: HardwareProfile) -> Mome
 
 
 def _grown_term(frames: MeasuredFrames, at: int, hardware: HardwareProfile) -> tuple[str, float]:
-    """Return the linear term of the side that took longer which is most above its median."""
+    """Return the predictor of the side that took longer whose cost is most above its median's.
+
+    What it costs is its linear price and its knees.
+    """
     if frames["gpu_ms"][at] >= frames["cpu_ms"][at]:
-        names, unit_ms = GPU_PREDICTORS, hardware.gpu.linear_ms
+        names, unit_ms, knees = GPU_PREDICTORS, hardware.gpu.linear_ms, hardware.gpu.knees
     else:
-        names, unit_ms = CPU_PREDICTORS, hardware.cpu.linear_ms
+        names, unit_ms, knees = CPU_PREDICTORS, hardware.cpu.linear_ms, ()
     grown = {
         name: ms * _above_median(frames[name], at)
         for name, ms in zip(names, unit_ms.tolist(), strict=True)
         if ms > 0.0 and name not in UNLOGGED
     }
+    for knee in knees:
+        if knee.predictor not in UNLOGGED:
+            counts = frames[knee.predictor]
+            then, usual = (knee.frame_ms(float(x)) for x in (counts[at], np.median(counts)))
+            grown[knee.predictor] = grown.get(knee.predictor, 0.0) + then - usual
     term = max(grown, key=grown.__getitem__, default="")
     return (term, grown[term]) if term and grown[term] > 0.0 else ("", 0.0)
 

@@ -64,7 +64,7 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
 def explain(comparison: Comparison, shown_by: str = "") -> str:
     """Return what ranks, probabilities and intervals mean; `shown_by` says how to see the last."""
     s = comparison.sampling
-    draws = f", {s.draws} draws of the cost model" if s.draws else ""
+    draws = f", {s.draws} draws of the machine" if s.draws else ""
     return (
         f"keeps: probability that work time is within the budget for {1.0 - comparison.miss:.0%} "
         f"of the time on {comparison.population}, and how many of the judged paths were kept; "

@@ -23,24 +23,30 @@ class AddedCost:
     ----------
     name : str
         In words that follow "with".
-    predictor : str
+    predictors : tuple of str
         What is counted.
     gpu_ms, cpu_ms : float or None
         Of each; None for what the profile charges, once more.
+    where_free : bool
+        Whether it is of profiles alone that charge nothing for it.
     """
 
     name: str
-    predictor: str
+    predictors: tuple[str, ...]
     gpu_ms: float | None = None
     cpu_ms: float | None = None
+    where_free: bool = False
 
 
 ADDED_COSTS = (
     # A frame in which a driver makes what a level needs has its hitch: some milliseconds, assumed.
-    AddedCost("2 ms for the first use of each level", "first_uses", gpu_ms=0.0, cpu_ms=2.0),
-    AddedCost("uploads at twice their cost", "bytes_uploaded"),
-    # PCIe 3.0 with 16 lanes carries 12 GB/s at best.
-    AddedCost("uploads at 10 GB/s", "bytes_uploaded", gpu_ms=1e-7, cpu_ms=0.0),
+    AddedCost("2 ms for the first use of each level", ("first_uses",), gpu_ms=0.0, cpu_ms=2.0),
+    AddedCost("uploads at twice their cost", ("bytes_uploaded",)),
+    # PCIe 3.0 with 16 lanes has 15.75 GB/s.
+    AddedCost("uploads at 10 GB/s", ("bytes_uploaded",), gpu_ms=1e-7, cpu_ms=0.0, where_free=True),
+    # No bundled profile has measured what deciding takes: compiled or interpreted, by how many
+    # threads.
+    AddedCost("deciding at twice its cost", ("objects_visited", "comparisons", "iterations")),
 )
 
 
@@ -54,16 +60,17 @@ def works_with_added(
     A cost whose count the log lacks, or that is nothing on this machine, is not yielded.
     """
     for cost in costs:
-        if cost.predictor not in frames.log.columns:
-            continue
-        charged = _unit_ms(hardware, cost.predictor)
-        gpu_ms = charged[0] if cost.gpu_ms is None else cost.gpu_ms
-        cpu_ms = charged[1] if cost.cpu_ms is None else cost.cpu_ms
-        if gpu_ms == cpu_ms == 0.0:
-            continue
-        counts = frames[cost.predictor]
-        cpu, gpu = frames["cpu_ms"] + cpu_ms * counts, frames["gpu_ms"] + gpu_ms * counts
-        yield cost.name, np.maximum(cpu, gpu)
+        cpu, gpu, any_cost = frames["cpu_ms"], frames["gpu_ms"], False
+        for name in cost.predictors:
+            charged = _unit_ms(hardware, name)
+            if name not in frames.log.columns or (cost.where_free and any(charged)):
+                continue
+            gpu_ms = charged[0] if cost.gpu_ms is None else cost.gpu_ms
+            cpu_ms = charged[1] if cost.cpu_ms is None else cost.cpu_ms
+            cpu, gpu = cpu + cpu_ms * frames[name], gpu + gpu_ms * frames[name]
+            any_cost |= gpu_ms > 0.0 or cpu_ms > 0.0
+        if any_cost:
+            yield cost.name, np.maximum(cpu, gpu)
 
 
 def _unit_ms(hardware: HardwareProfile, predictor: str) -> tuple[float, float]:

@@ -59,7 +59,7 @@ class CompareSettings:
     seeds : int or None
         Replays of each path under other noise; None for 2, or 5 of a single path.
     draws : int
-        Posterior draws of the cost model to replay, if the profile has them.
+        Draws of the machine to replay, if the profile has them.
     workers : int
         Processes; 0 for as many as there are processors.  Results do not depend on it.
     policy_limits : Limits
@@ -175,7 +175,7 @@ def compare(
         for place in replays
         if place.logged and (log := replays[place].log) is not None
     }
-    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))))
+    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))), scene)
 
 
 def compared_policies() -> tuple[str, ...]:

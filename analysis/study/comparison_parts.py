@@ -21,8 +21,8 @@ class Score:
         run has the metric.
     this_path, such_paths, with_machine : (low, high) or None
         90 % intervals of that mean: of these very paths under other noise, of paths of this kind,
-        and of such paths on machines that the cost model was fitted to.  None where the runs
-        cannot tell: extremes have none.
+        and of such paths on other machines of the profile's draws.  None where the runs cannot
+        tell: extremes have none.
     enough : bool
         Whether the runs are enough for `such_paths` to cover what it says.
     needed : int or None
@@ -77,6 +77,9 @@ class Keeps:
         90 % exact bound (Clopper-Pearson) of the share of paths kept.
     work_ms : float
         Geometric mean over paths of the work time at that quantile.
+    with_machine : float or None
+        `probability` on another machine of the profile's draws, which hold what its fit leaves
+        open and its scatter between occasions and scenes; None where it has no draws.
     """
 
     probability: float | None
@@ -85,6 +88,7 @@ class Keeps:
     low: float
     high: float
     work_ms: float
+    with_machine: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +140,13 @@ class PolicyResult:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """Under which conditions the replays ran, beside scene, paths and hardware."""
+    """Under which conditions the replays ran, beside scene, paths and hardware.
+
+    Attributes
+    ----------
+    fovy_of : str
+        How the field of view stands to what the paths state; empty where none states one.
+    """
 
     display: str
     refresh_hz: float
@@ -151,6 +161,7 @@ class Conditions:
     nodes: int
     hardware_source: str
     hardware_assumed: bool
+    fovy_of: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +175,7 @@ class Sampling:
     seeds : int
         Replays of each path under other noise.
     draws : int
-        Posterior draws of the cost model; 0 if the profile has none.
+        Draws of the machine: of its fit and its scatter; 0 if the profile has neither.
     tuned_on : str
         What knobs were tuned on.
     """

@@ -31,7 +31,7 @@ class Judging:
     seeds : tuple of int
         Of the replays on every judged path; the first is that of all others too.
     draws : tuple of int
-        Posterior draws of the cost model.
+        Draws of the machine.
     """
 
     bench: Bench

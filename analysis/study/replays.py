@@ -57,9 +57,9 @@ class Place:
     knob : float or None
         Value of the policy's knob; None for its own parameters.
     draw : int or None
-        Posterior draw of the cost model; None for its mean.
+        Draw of the machine; None for its mean.
     logged : bool
-        Whether its frame log is wanted.
+        Whether its frame log is wanted, with the level of each node over time.
     """
 
     policy: str
@@ -125,6 +125,7 @@ class Bench:
             self.warmup_s,
             self.miss,
             keeps_log=place.logged,
+            keeps_levels=place.logged,
         )
 
 

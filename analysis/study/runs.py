@@ -11,7 +11,13 @@ Progress = Callable[[int, int], None]
 
 
 def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
-    """Return evenly spaced posterior draws, each once."""
-    available = 0 if hardware.posterior is None else len(hardware.posterior)
+    """Return draws of a machine, each once: of one with scatter the first, else evenly spaced ones.
+
+    Any first draws cover the scatter (`models.machine.scatter`); samples of a fit are evenly spaced
+    along its chain, of which any choice is as good.
+    """
+    available = hardware.draws
+    if hardware.scatter.any:
+        return list(range(min(count, available)))
     chosen = np.linspace(0, available - 1, min(count, available)).round()
     return [int(draw) for draw in chosen]

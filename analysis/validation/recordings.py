@@ -4,6 +4,7 @@ from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,54 +14,27 @@ from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import OpenedScene
 from ...policies.registry import parse_policy
-from ...render.gl.calibration import Calibration
 from ...render.gl.context import Device, Target, open_target
-from ...render.gl.image_comparison import (
-    PictureDifference,
-    PictureFolder,
-    PictureMachine,
-    summarise_pictures,
-)
+from ...render.gl.frames_in_flight import FlightMachine, record_in_flight
+from ...render.gl.image_comparison import PictureDifference, PictureFolder, PictureMachine
+from ...render.gl.measures.fences import Fences
+from ...render.gl.measures.reference_draw import ReferenceDraw
 from ...render.gl.opengl_machine import GlMachine
-from ...render.gl.recorder import check_policy, header_of, record
+from ...render.gl.recorder import Recording, check_policy, header_of, record
 from ...render.gl.renderer import Renderer
+from ...render.gl.shuffled_programme import record_programme
+from ...render.gl.vertex_order import vertex_order
 from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions
 from ...sim.simulated_machine import FrameTimes, Machine, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.runs import Progress
+from .record_options import CLOCKS, RecordOptions
 
 CALIBRATION = "calibration"
 """Name of the programme in place of a policy's."""
 
-_MOST_THREADS = 32  # of llvmpipe
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordOptions:
-    """How to draw.
-
-    Attributes
-    ----------
-    backend : one of `context.BACKENDS`
-    instancing : whether all instances of a level are drawn at once
-    repeats : times that each frame is drawn
-    threads : of llvmpipe, beside the caller's
-    calibration_steps : poses along the trace that calibration draws
-    """
-
-    backend: str = "egl"
-    instancing: bool = False
-    repeats: int = 5
-    threads: int = 0
-    calibration_steps: int = 1_200
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.threads <= _MOST_THREADS:
-            got = self.threads
-            raise InputError(f"--threads: expected 0 to {_MOST_THREADS}, got {got}; 0 is quietest")
-        if self.calibration_steps < 1:
-            raise InputError(f"--steps: expected 1 or more, got {self.calibration_steps}")
+_OCCASION = uuid4().hex[:12]  # what one process records shares more than the machine
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,14 +48,25 @@ class Recorded:
 
 
 class Recorder:
-    """A scene on a device, ready to record one policy after another."""
+    """A scene on a device, ready to record one policy after another.
+
+    Raises `InputError` if the device cannot be timed as asked, or the scene has no meshes.
+    """
 
     def __init__(self, target: Target, scene: OpenedScene, settings: RecordOptions) -> None:
+        settings.require_device(target.device)
         self._device: Device = target.device
         self._scene, self._settings = scene.scene, settings
+        clock = CLOCKS[settings.clock]
         self._renderer = Renderer(
-            target, scene.scene, scene.read_geometry(), instancing=settings.instancing
+            target,
+            scene.scene,
+            scene.read_geometry(),
+            instancing=settings.instancing,
+            clock=clock,
         )
+        self._fences = Fences(target.load)
+        self._reference = ReferenceDraw(target, clock)
 
     def record(
         self,
@@ -95,43 +80,116 @@ class Recorder:
     ) -> Recorded:
         """Record a policy, or the programme of calibration where there is none.
 
-        Calibration goes through the whole trace in even steps; a policy's replay takes as many
-        frames as last until its end.
+        Calibration goes through the whole trace in even steps, drawn twice in shuffled order; a
+        policy's replay takes as many frames as last until its end.
 
         Raises
         ------
         InputError, PolicyError
             As `render.gl.recorder.record`.
         """
-        settings, name, step_ms = self._settings, label or CALIBRATION, None
-        policy = Calibration(options.seed) if label is None else parse_policy(label).make()
-        if label is None:
-            _require_flat(self._scene)
-            options = replace(options, frames=settings.calibration_steps)
-            step_ms = max(1e3 * trace.duration_s / settings.calibration_steps, 1e-3)
-        measuring = GlMachine(
-            self._renderer, self._device, repeats=settings.repeats, step_ms=step_ms
-        )
+        compared: Sequence[PictureDifference] = ()
+        if self._settings.frames_in_flight:
+            recording = self._in_flight(label, trace, hardware, options, pictures, progress)
+        elif label is None:
+            recording = self._programme(trace, hardware, options, pictures, progress)
+        else:
+            recording, compared = self._policy(label, trace, hardware, options, pictures, progress)
+        about = conditions(self._scene, trace, hardware, options) | self._about(label, options)
+        header = header_of(self._device, about, recording.doubt)
+        return Recorded(header, recording.columns, recording.frames, tuple(compared))
+
+    def _about(self, label: str | None, options: ReplayOptions) -> dict[str, str]:
+        settings = self._settings
+        about = {
+            "policy": label or CALIBRATION,
+            "seed": str(options.seed),
+            "draws": "instanced" if settings.instancing else "each object",
+            "repeats": "1" if settings.frames_in_flight else str(settings.repeats),
+            "clock": settings.clock,
+            "occasion": _OCCASION,
+            "order": "shuffled" if label is None else "path",
+            "frames_in_flight": str(max(settings.frames_in_flight, 1)),
+            "vertex_order": vertex_order(),
+        }
+        return about | ({"threads": str(settings.threads)} if self._device.software else {})
+
+    def _measuring(self) -> GlMachine:
+        repeats = self._settings.repeats
+        return GlMachine(self._renderer, self._device, repeats=repeats, reference=self._reference)
+
+    def _policy(
+        self,
+        label: str,
+        trace: CameraTrace,
+        hardware: HardwareProfile,
+        options: ReplayOptions,
+        pictures: PictureFolder | None,
+        progress: Progress | None,
+    ) -> tuple[Recording, Sequence[PictureDifference]]:
+        measuring = self._measuring()
         machine: Machine = measuring
         watching = None
         if pictures is not None:
             watching = machine = PictureMachine(measuring, self._renderer, pictures)
         if progress is not None:
             machine = _Told(machine, progress, options.frames, trace.duration_s)
+        policy = parse_policy(label).make()
         recording = record(
-            policy, self._scene, trace, hardware, options, machine, measuring, name=name
+            policy, self._scene, trace, hardware, options, machine, measuring, name=label
         )
-        about = conditions(self._scene, trace, hardware, options) | {
-            "policy": name,
-            "seed": str(options.seed),
-            "draws": "instanced" if settings.instancing else "each object",
-            "repeats": str(settings.repeats),
-        }
-        if self._device.software:
-            about["threads"] = str(settings.threads)
-        header = header_of(self._device, about, recording.doubt)
-        compared = () if watching is None else tuple(watching.compared)
-        return Recorded(header, recording.columns, recording.frames, compared)
+        return recording, () if watching is None else watching.compared
+
+    def _in_flight(
+        self,
+        label: str | None,
+        trace: CameraTrace,
+        hardware: HardwareProfile,
+        options: ReplayOptions,
+        pictures: PictureFolder | None,
+        progress: Progress | None,
+    ) -> Recording:
+        if label is None or pictures is not None:
+            other = "--calibrate" if label is None else "--images"
+            raise InputError(
+                f"--frames-in-flight: expected a policy whose frames nothing waits for, got {other}"
+            )
+        machine = FlightMachine(self._renderer, self._fences)
+        told = None
+        if progress is not None:
+            told = _Told(machine, progress, options.frames, trace.duration_s)
+        flying = replace(hardware, frames_in_flight=self._settings.frames_in_flight)
+        return record_in_flight(
+            parse_policy(label).make(),
+            self._scene,
+            trace,
+            flying,
+            options,
+            machine,
+            name=label,
+            watching=told,
+        )
+
+    def _programme(
+        self,
+        trace: CameraTrace,
+        hardware: HardwareProfile,
+        options: ReplayOptions,
+        pictures: PictureFolder | None,
+        progress: Progress | None,
+    ) -> Recording:
+        _require_flat(self._scene)
+        if pictures is not None:
+            raise InputError("--images: expected --policy, got --calibrate, which is no replay")
+        return record_programme(
+            self._scene,
+            trace,
+            hardware,
+            replace(options, frames=self._settings.calibration_steps),
+            self._measuring(),
+            name=CALIBRATION,
+            progress=progress,
+        )
 
 
 @contextmanager
@@ -161,6 +219,7 @@ def conditions(
         "trace_s": f"{trace.duration_s:.6g}",
         "start_m": start,
         "budget_ms": f"{options.budget_ms:.6g}",
+        "fovy_deg": f"{options.fovy_deg:.6g}",
     }
 
 
@@ -199,26 +258,3 @@ class _Told:
         else:
             self._progress(frame.view.time_ns // 1_000_000, int(1e3 * self._duration_s) + 1)
         return times
-
-
-def summary_of(recorded: Recorded) -> dict[str, Any]:
-    """Return what was recorded in numbers; medians of the repeats, in milliseconds."""
-    columns, frame_ms = recorded.columns, recorded.columns["frame_ms"]
-    spread = (columns["frame_ms_high"] - columns["frame_ms_low"]) / frame_ms
-    means = {
-        name: float(columns[name].mean())
-        for name in ("draw_calls", "triangles", "shaded_samples", "cpu_ms", "policy_ms")
-    }
-    record: dict[str, Any] = {
-        "schema": "lodbench.record/1",
-        "frames": len(frame_ms),
-        "frame_ms_mean": float(frame_ms.mean()),
-        "frame_ms_sd": float(frame_ms.std(ddof=1)) if len(frame_ms) > 1 else 0.0,
-        "frame_ms_p95": float(np.quantile(frame_ms, 0.95)),
-        "repeats_spread_pct": 100.0 * float(np.median(spread)),
-        "means": means,
-        "log": recorded.header,
-    }
-    if recorded.pictures:
-        record["pictures"] = summarise_pictures(recorded.pictures)
-    return record

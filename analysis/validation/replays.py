@@ -1,20 +1,35 @@
-"""Record policies, once or twice, and simulate the same."""
+"""Record policies along a path, once or twice."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from ...base.errors import InputError
+from ...base.errors import InputError, PolicyError
 from ...models.machine.hardware import HardwareProfile
-from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import OpenedScene
-from ...policies.registry import parse_policy
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
-from ..study.compare import CompareSettings
-from ..study.engine.open_engine import open_engine
-from ..study.replays import Place, Replays, make_bench
-from ..study.runs import Progress, choose_draws
-from .recordings import Recorded, RecordOptions, open_recorder
-from .validate import Measured, Simulated, Simulation
+from ..study.runs import Progress
+from .record_options import RecordOptions
+from .recordings import Recorded, open_recorder
+
+OnRecorded = Callable[[str, int, Recorded], None]
+"""Called with label, pass and recording as soon as it ends: a later failure does not lose it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recordings:
+    """What was recorded along one path.
+
+    Attributes
+    ----------
+    policies : dict of str to list of Recorded
+        By label, one recording a pass.
+    failed : dict of str to str
+        Why policies were not recorded, by label.
+    """
+
+    policies: dict[str, list[Recorded]]
+    failed: dict[str, str]
 
 
 def _share(progress: Progress, done: int, total: int) -> Progress:
@@ -31,78 +46,38 @@ def record_all(
     settings: RecordOptions,
     passes: int,
     progress: Progress | None = None,
-) -> dict[str, list[Recorded]]:
-    """Return recordings by label.
+    on_recorded: OnRecorded | None = None,
+) -> Recordings:
+    """Record policies; one that breaks its contract fails by name, and the others go on.
 
     All policies are recorded before the first is recorded again, so that the second recordings
     tell how the machine differs from itself some minutes later.
 
-    Raises
-    ------
-    InputError, PolicyError
-        As `Recorder.record`.
+    Raises `InputError` as `Recorder.record`.
     """
-    if passes not in (1, 2):
-        raise InputError(f"--passes: expected 1 or 2, got {passes}; 2 shows the machine's noise")
+    require_passes(passes)
     size = (hardware.display.width_px, hardware.display.height_px)
     found: dict[str, list[Recorded]] = {label: [] for label in labels}
+    failed: dict[str, str] = {}
     with open_recorder(scene, settings, size) as recorder:
         for again in range(passes):
             for place, label in enumerate(labels):
+                if label in failed:
+                    continue
                 done = again * len(labels) + place
                 share = None if progress is None else _share(progress, done, passes * len(labels))
-                found[label].append(
-                    recorder.record(label, trace, hardware, options, progress=share)
-                )
-    return found
+                try:
+                    recorded = recorder.record(label, trace, hardware, options, progress=share)
+                except PolicyError as error:
+                    failed[label] = str(error)
+                    continue
+                found[label].append(recorded)
+                if on_recorded is not None:
+                    on_recorded(label, again, recorded)
+    return Recordings({k: v for k, v in found.items() if k not in failed}, failed)
 
 
-def simulate_all(
-    labels: Sequence[str],
-    scene: Scene,
-    trace: CameraTrace,
-    hardware: HardwareProfile,
-    options: ReplayOptions,
-    settings: CompareSettings,
-    progress: Progress | None = None,
-) -> Simulation:
-    """Simulate policies under the profile's mean and under draws of it, each as it is typed.
-
-    Raises `InputError` if a policy cannot be simulated.
-    """
-    specs = [parse_policy(label) for label in labels]
-    bench = make_bench(
-        specs, scene, [trace], hardware, options, settings.warmup_s, miss=settings.miss
-    )
-    limits = settings.policy_limits
-    engine = open_engine(
-        bench.inputs, workers=settings.workers, limits=limits, scheduler=settings.scheduler
-    )
-    draws = choose_draws(hardware, settings.draws)
-    mean = {label: Place(label, 0, options.seed, logged=True) for label in labels}
-    drawn = {
-        label: [Place(label, 0, options.seed, draw=draw) for draw in draws] for label in labels
-    }
-    with engine:
-        replays = Replays(bench, engine, progress, limits=limits)
-        replays.make(place for label in labels for place in (mean[label], *drawn[label]))
-    for label, failure in replays.failures.items():
-        raise InputError(f"{label}: expected a policy that runs; {failure}")
-    return Simulation(
-        scene=scene.name,
-        trace=trace.name,
-        trace_s=trace.duration_s,
-        budget_ms=options.budget_ms,
-        seed=options.seed,
-        window_s=(settings.warmup_s, trace.duration_s),
-        policies={
-            label: Simulated(replays[mean[label]], tuple(replays[at] for at in drawn[label]))
-            for label in labels
-        },
-    )
-
-
-def measured_of(recorded: Recorded) -> Measured:
-    """Return a recording with its counts under the names of the cost model."""
-    columns = recorded.columns
-    return Measured(recorded.frames, columns | {"shaded_samples": columns["projected_px"]})
+def require_passes(passes: int) -> None:
+    """Raise `InputError` unless each policy is to be recorded once or twice."""
+    if passes not in (1, 2):
+        raise InputError(f"--passes: expected 1 or 2, got {passes}; 2 shows the machine's noise")

@@ -1,7 +1,7 @@
-"""Compare simulated replays with recorded ones: frame by frame, metric by metric, rank by rank."""
+"""Compare simulated replays with recorded ones, on one path and on all together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,95 +12,41 @@ from ...sim.frame_log import FrameLog
 from ...traces.logs.log_writer import header_text
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
-from ..study.score import Scored
 from ..verdict.scores import LEVEL
-from .ranks import kendall_tau
-from .time_errors import adapted_ms, at_times, summarise
-from .validation_result import Agreement, Errors, PolicyValidation, Rank, Validation
+from ..verdict.verdict import LEAST
+from .answer import answer
+from .measures.agreement import agree, share_inside
+from .measures.decisions import count_decided, decide, first_of, leaders
+from .measures.frame_errors import (
+    FrameErrors,
+    cost_ratio,
+    detail_error,
+    frame_errors,
+    summarise_all,
+)
+from .measures.machine_factor import machine_factor
+from .measures.ranks import Pairs, compare_pairs, rank
+from .measures.time_errors import at_times
+from .recorded_frames import (
+    Measured,
+    Stretch,
+    drift_of,
+    frames_in_flight,
+    stretch_of,
+    usual_reference_ms,
+)
+from .replicates import Simulated, Simulation
+from .validation_result import (
+    Case,
+    Decision,
+    DetailError,
+    PolicyValidation,
+    Pooled,
+    Validation,
+)
 
 UNRECORDED = ("splats", "texture_bytes")
 """GPU predictors that a recording does not count."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Measured:
-    """One recording.
-
-    Attributes
-    ----------
-    frames : FrameLog
-    counts : dict of str to (n,) float64
-        What was drawn, by GPU predictor; ``shaded_samples`` as the simulator counts them.
-    """
-
-    frames: FrameLog
-    counts: Mapping[str, FloatArray]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pair:
-    """One policy's replays.
-
-    Attributes
-    ----------
-    measured : one or two recordings, the second of the same replay again
-    simulated : the replay under the profile's mean
-    """
-
-    measured: tuple[Measured, ...]
-    simulated: FrameLog
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Simulated:
-    """One policy's simulated replays.
-
-    Attributes
-    ----------
-    mean : Scored
-        Under the profile's mean, with its frame log.
-    drawn : tuple of Scored
-        Under each posterior draw; none if the profile has none.
-    """
-
-    mean: Scored
-    drawn: tuple[Scored, ...]
-
-    @property
-    def log(self) -> FrameLog:
-        """Frames under the mean."""
-        assert self.mean.log is not None, "it is asked for with its log"
-        return self.mean.log
-
-    def interval(self, metric: str) -> tuple[float, float] | tuple[None, None]:
-        """Return where a metric lies over the draws at `LEVEL`, nothing if a draw has no value."""
-        values = [run.values[metric] for run in self.drawn]
-        known = [value for value in values if value is not None]
-        if not known or len(known) < len(values):
-            return None, None
-        low, high = np.quantile(known, ((1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0)).tolist()
-        return low, high
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Simulation:
-    """What was simulated on one path, and by what it is scored.
-
-    Attributes
-    ----------
-    window_s : (from, to)
-        Seconds of the path that count.
-    policies : dict of str to Simulated
-        By label.
-    """
-
-    scene: str
-    trace: str
-    trace_s: float
-    budget_ms: float
-    seed: int
-    window_s: tuple[float, float]
-    policies: Mapping[str, Simulated]
 
 
 def require_other_frames(hardware: HardwareProfile, scene: str, trace: str) -> None:
@@ -128,116 +74,241 @@ def require_priced(hardware: HardwareProfile) -> None:
             )
 
 
-def validate(
-    simulation: Simulation,
-    pairs: Mapping[str, Pair],
-    hardware: HardwareProfile,
-    log: dict[str, str],
-) -> Validation:
-    """Return how simulation and recordings agree.
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """A case with what its policies' figures are pooled from.
 
-    Raises `InputError` if a recording has no frame in the window, or only one.
-
-    Parameters
+    Attributes
     ----------
-    pairs : by label, in the order of the policies
-    log : header of the recordings
+    errors, corrected : of each policy; corrected ones where there is a reference drawing
+    pairs : by metric
     """
-    runs = {label: _measured(pair, simulation.window_s) for label, pair in pairs.items()}
-    series = {label: _series(pair, runs[label], hardware) for label, pair in pairs.items()}
-    policies = tuple(
-        _policy(label, pair, runs[label], simulation.policies[label], series[label])
-        for label, pair in pairs.items()
-    )
-    known = [
-        item.inside for p in policies for item in p.metrics.values() if item.inside is not None
-    ]
-    return Validation(
-        scene=simulation.scene,
-        trace=simulation.trace,
-        trace_s=simulation.trace_s,
-        hardware=hardware.name,
-        hardware_source=hardware.provenance.source,
-        measured_on=hardware.provenance.measured_on,
-        budget_ms=simulation.budget_ms,
-        seed=simulation.seed,
-        window_s=simulation.window_s,
-        level=LEVEL,
-        draws=max((len(each.drawn) for each in simulation.policies.values()), default=0),
-        log=log,
-        policies=policies,
-        all_policies=_errors(*series.values()),
-        inside=float(np.mean(known)) if known else None,
-        ranks=_ranks(policies),
-    )
 
-
-def _policy(
-    label: str, pair: Pair, runs: "_Runs", simulated: Simulated, series: dict[str, FloatArray]
-) -> PolicyValidation:
-    values = [{metric.id: metric(run) for metric in METRICS} for run in runs.measured]
-    again = values[1] if len(values) > 1 else dict.fromkeys(values[0])
-    metrics: dict[str, Agreement] = {}
-    for metric in METRICS:
-        value, measured = simulated.mean.values[metric.id], values[0][metric.id]
-        low, high = simulated.interval(metric.id)
-        inside = None
-        if measured is not None and low is not None and high is not None:
-            inside = low <= measured <= high
-        metrics[metric.id] = Agreement(
-            measured, again[metric.id], value, low, high, inside, metric.unit
-        )
-    frames = len(pair.measured[0].frames), len(pair.simulated)
-    return PolicyValidation(label, *frames, _errors(series), metrics)
+    case: Case
+    errors: tuple[FrameErrors, ...]
+    corrected: tuple[FrameErrors, ...]
+    pairs: Mapping[str, Pairs]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Runs:
-    """The frames of a pair that count."""
+class _Policy:
+    """One policy, before it is compared with others."""
 
-    measured: tuple[MeasuredFrames, ...]
-    simulated: MeasuredFrames
-
-
-def _measured(pair: Pair, window_s: tuple[float, float]) -> _Runs:
-    measured = tuple(MeasuredFrames(item.frames, *window_s) for item in pair.measured)
-    return _Runs(measured, MeasuredFrames(pair.simulated, *window_s))
-
-
-def _series(pair: Pair, runs: _Runs, hardware: HardwareProfile) -> dict[str, FloatArray]:
-    """Return predicted times over those of the first recording, (2, n), as `Errors` names them."""
-    first, *others = runs.measured
-    model = hardware.gpu.counted_ms(pair.measured[0].counts)
-    adapted = adapted_ms(model, np.asarray(first.log["gpu_ms"]))
-    inside = slice(first.first, first.first + len(first))
-    predicted = {
-        "model": model[inside],
-        "v_time": adapted[inside],
-        "simulation": _at(runs.simulated, first.time_s),
-    }
-    for other in others:
-        predicted["again"] = _at(other, first.time_s)
-    return {name: np.stack((times, first.work_ms)) for name, times in predicted.items()}
+    stretches: tuple[Stretch, ...]
+    simulated: Simulated
+    errors: FrameErrors
+    corrected: FrameErrors | None
+    values: tuple[dict[str, float | None], ...]
+    judged_ms: tuple[float, ...]
 
 
-def _at(run: MeasuredFrames, wanted_s: FloatArray) -> FloatArray:
-    return at_times(run.time_s, run.work_ms, wanted_s)
+def judge_case(
+    simulation: Simulation,
+    recordings: Mapping[str, Sequence[Measured]],
+    hardware: HardwareProfile,
+    log: Mapping[str, str],
+    failed: Mapping[str, str] | None = None,
+) -> Judged:
+    """Return how simulation and recordings agree on one path.
+
+    A policy that cannot be compared, such as one whose recording has no frame in the window, fails
+    by name, and the others are compared.
+
+    Parameters
+    ----------
+    recordings : one or two by label, in the order of the policies
+    log : header of the recordings
+    failed : why policies were not recorded
+    """
+    failures = {**(failed or {}), **simulation.failed}
+    every = [item for passed in recordings.values() for item in passed]
+    usual_ms = usual_reference_ms(every)
+    policies: dict[str, _Policy] = {}
+    for label, passed in recordings.items():
+        if label in failures:
+            continue
+        try:
+            policies[label] = _compare(
+                passed, simulation, simulation.policies[label], hardware, usual_ms
+            )
+        except InputError as error:
+            failures[label] = error.message
+    deep = frames_in_flight(log)
+    leading = _Leading.of(policies, simulation)
+    results = tuple(
+        _result(label, item, simulation, leading, deep) for label, item in policies.items()
+    )
+    errors = tuple(item.errors for item in policies.values())
+    corrected = tuple(item.corrected for item in policies.values() if item.corrected is not None)
+    pairs = _pairs(list(policies.values()))
+    case = Case(
+        scene=simulation.scene,
+        trace=simulation.trace,
+        trace_s=simulation.trace_s,
+        budget_ms=simulation.budget_ms,
+        seed=simulation.seed,
+        window_s=simulation.window_s,
+        frames_in_flight=deep,
+        log=dict(log),
+        drift=drift_of(every),
+        policies=results,
+        failed=failures,
+        all_policies=summarise_all(errors),
+        all_corrected=summarise_all(corrected),
+        first_measured=leading.measured,
+        first_simulated=leading.simulated,
+        inside=share_inside(results),
+        ranks={name: rank([part], LEVEL) for name, part in pairs.items()},
+    )
+    return Judged(case, errors, corrected, pairs)
 
 
-def _errors(*parts: dict[str, FloatArray]) -> Errors:
-    """Return the errors of all parts together."""
-    joined = {name: np.hstack([part[name] for part in parts]) for name in parts[0]}
-    return Errors(**{name: summarise(*times) for name, times in joined.items()})
+def validate(
+    judged: Sequence[Judged], hardware: HardwareProfile, replicates: int, draws: int
+) -> Validation:
+    """Return a validation of cases, with what they say together."""
+    policies = [(item.case, policy) for item in judged for policy in item.case.policies]
+    names = dict.fromkeys(name for item in judged for name in item.pairs)
+    pooled = Pooled(
+        errors=summarise_all([each for item in judged for each in item.errors]),
+        corrected=summarise_all([each for item in judged for each in item.corrected]),
+        inside=share_inside(policy for _, policy in policies),
+        ranks={
+            name: rank([item.pairs[name] for item in judged if name in item.pairs], LEVEL)
+            for name in names
+        },
+        keeps_budget=count_decided(
+            (policy.keeps_budget, _off_budget(policy, case.budget_ms)) for case, policy in policies
+        ),
+        first=count_decided((policy.first, 0.0) for _, policy in policies),
+        machine=machine_factor([policy.cost_ratio for _, policy in policies]),
+    )
+    found = Validation(
+        hardware=hardware.name,
+        hardware_source=hardware.provenance.source,
+        measured_on=hardware.provenance.measured_on,
+        level=LEVEL,
+        replicates=replicates,
+        draws=draws,
+        cases=tuple(item.case for item in judged),
+        pooled=pooled,
+    )
+    return replace(found, answer=answer(found))
 
 
-def _ranks(policies: Sequence[PolicyValidation]) -> dict[str, Rank]:
-    """Return τ by metric, of those that tell some policies apart in either."""
-    ranks: dict[str, Rank] = {}
+def _off_budget(policy: PolicyValidation, budget_ms: float) -> float:
+    """Return how far all recordings of a policy are off the budget, as a share of it."""
+    return min(abs(ms / budget_ms - 1.0) for ms in policy.judged_ms)
+
+
+def _compare(
+    passed: Sequence[Measured],
+    simulation: Simulation,
+    simulated: Simulated,
+    hardware: HardwareProfile,
+    usual_ms: float | None,
+) -> _Policy:
+    stretches = tuple(stretch_of(item, simulation.window_s) for item in passed)
+    mean = MeasuredFrames(simulated.log, *simulation.window_s)
+    errors = frame_errors(stretches, mean, hardware)
+    summarise_all([errors])  # a recording of one frame is told by its policy
+    return _Policy(
+        stretches,
+        simulated,
+        errors,
+        None if usual_ms is None else frame_errors(stretches, mean, hardware, usual_ms),
+        tuple(stretch.values() for stretch in stretches),
+        tuple(stretch.judged_ms(simulation.miss) for stretch in stretches),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Leading:
+    """Who is first: by label, in the replicates and in the recordings, with who leads in each."""
+
+    decisions: Mapping[str, Decision]
+    measured: str | None
+    simulated: str | None
+
+    @classmethod
+    def of(cls, policies: Mapping[str, _Policy], simulation: Simulation) -> "_Leading":
+        labels = list(policies)
+        if not labels:
+            return cls({}, None, None)
+        passes = min(len(item.stretches) for item in policies.values())
+        measured = np.array([item.judged_ms[:passes] for item in policies.values()])
+        simulated = np.array(
+            [[run.judged_ms for run in p.simulated.replicates] for p in policies.values()]
+        )
+        tables = {
+            name: np.array(
+                [[values[name] for values in item.values[:passes]] for item in policies.values()],
+                dtype=np.float64,
+            )
+            for name in LEAST
+        }
+        drawn = {
+            name: np.array([item.simulated.values(name) for item in policies.values()])
+            for name in LEAST
+        }
+        found = leaders(measured <= simulation.budget_ms, measured, tables)
+        expected = leaders(simulated <= simulation.budget_ms, simulated, drawn)
+        decisions = {
+            label: decide(expected[at] > 0.0, found[at] > 0.0) for at, label in enumerate(labels)
+        }
+        most = np.bincount(first_of(expected, simulated), minlength=len(labels)).argmax()
+        return cls(decisions, labels[first_of(found, measured)[0]], labels[int(most)])
+
+
+def _result(
+    label: str, item: _Policy, simulation: Simulation, leading: _Leading, deep: int
+) -> PolicyValidation:
+    budget_ms, runs = simulation.budget_ms, item.simulated.replicates
+    errors = summarise_all([item.errors])
+    assert errors is not None
+    return PolicyValidation(
+        label=label,
+        frames_measured=len(item.stretches[0].measured.frames),
+        frames_simulated=len(item.simulated.log),
+        errors=errors,
+        corrected=None if item.corrected is None else summarise_all([item.corrected]),
+        detail=_detail(item, simulation.full),
+        cost_ratio=cost_ratio(item.corrected or item.errors),
+        judged_ms=item.judged_ms,
+        keeps_budget=decide(
+            np.array([run.judged_ms <= budget_ms for run in runs]),
+            np.array(item.judged_ms) <= budget_ms,
+        ),
+        first=leading.decisions[label],
+        metrics=agree(item.values, [run.values for run in runs], LEVEL, deep),
+    )
+
+
+def _detail(item: _Policy, full: FrameLog | None) -> DetailError | None:
+    """Return how the error goes with detail: triangles drawn over all of them at that moment."""
+    if full is None:
+        return None
+    first = item.stretches[0]
+    time_s = np.multiply(full["input_ns"], 1e-9, dtype=np.float64)
+    in_view = at_times(time_s, full["triangles"], first.run.time_s)
+    share = np.divide(
+        first.count("triangles"), in_view, out=np.full(len(in_view), np.nan), where=in_view > 0.0
+    )
+    return detail_error(item.corrected or item.errors, share)
+
+
+def _pairs(policies: Sequence[_Policy]) -> dict[str, Pairs]:
+    """Return the pairs of the policies by metric, of those in which two have a value."""
+    found: dict[str, Pairs] = {}
+    passes = min((len(item.values) for item in policies), default=0)
     for metric in METRICS:
-        items = [policy.metrics[metric.id] for policy in policies]
-        measured = [item.measured for item in items]
-        simulated = kendall_tau(measured, [item.simulated for item in items])
-        again = kendall_tau(measured, [item.again for item in items])
-        if simulated is not None or again is not None:
-            ranks[metric.id] = Rank(simulated, again)
-    return ranks
+        measured = _table([[v[metric.id] for v in item.values[:passes]] for item in policies])
+        replicates = _table([item.simulated.values(metric.id) for item in policies])
+        pairs = compare_pairs(measured, replicates) if len(policies) > 1 else None
+        if pairs is not None:
+            found[metric.id] = pairs
+    return found
+
+
+def _table(rows: Sequence[Sequence[float | None] | FloatArray]) -> FloatArray:
+    return np.array(rows, dtype=np.float64)

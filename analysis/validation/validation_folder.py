@@ -1,28 +1,26 @@
-"""The folder of a validation: what was recorded, what was simulated, and how they agree."""
+"""The folder of a validation: what was recorded, what was simulated, and how they agree.
+
+It is put in place whole, at the end.  Recordings stand beside it until then, in a folder called as
+it and ``.recordings``: they take long, and what comes after them may fail.
+"""
 
 import shutil
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-
-import numpy as np
 
 from ...base.errors import InputError
 from ...base.files.strict_json import encode_record
 from ...base.files.whole_folder import claimed_folder, require_replaceable, whole_folder
-from ...sim.frame_log_file import read_frame_log, write_frame_log
-from ...traces.logs.log_writer import header_text, write_log
-from ...traces.logs.read_log import read_render_log
+from ...sim.frame_log_file import write_frame_log
 from ..study.comparison_folder import frame_log_names
-from .recordings import Recorded
-from .validate import Pair
-from .validation_page import render_validation
+from .recording_folder import RECORDINGS
+from .shown.charts import Series
+from .shown.page import render_validation
 from .validation_result import Validation
 
-_RESULT, _REPORT = "validation.json", "report.html"
-_MEASURED, _RENDERED, _SIMULATED = "measured", "render", "simulated"
-_OURS = r"validation\.json|report\.html|(measured|render|simulated)(/.*)?"
-_AGAIN = "again-"
+_RESULT, _REPORT, _SIMULATED = "validation.json", "report.html", "simulated"
+_OURS = rf"validation\.json|report\.html|({RECORDINGS}|{_SIMULATED})(/.*)?"
 
 
 @contextmanager
@@ -30,13 +28,25 @@ def claimed_validation(folder: Path | None) -> Generator[None]:
     """Hold a folder, if one is given, from before the work until `write_validation` has written.
 
     Raises `InputError` unless the folder is new, or holds nothing but an earlier validation, or if
-    another process writes to it.
+    another process writes to it, or recordings of an earlier one that failed stand beside it.
     """
     if folder is None:
         yield
         return
     with claimed_folder(folder, _ours(folder), "validate"):
+        left = recordings_beside(folder)
+        if left.exists():
+            message = (
+                "expected no recordings of an earlier validation, got some; use them with "
+                f"--recorded {left}, or remove them"
+            )
+            raise InputError(message, path=left)
         yield
+
+
+def recordings_beside(folder: Path) -> Path:
+    """Return where recordings stand until the folder of their validation is written."""
+    return folder.with_name(f"{folder.name}.{RECORDINGS}")
 
 
 def _ours(folder: Path) -> str:
@@ -47,15 +57,20 @@ def _ours(folder: Path) -> str:
 def write_validation(
     folder: Path,
     validation: Validation,
-    pairs: Mapping[str, Pair],
-    recorded: Mapping[str, list[Recorded]] | Path,
+    names: Sequence[str],
+    series: Mapping[int, Series],
+    recordings: Path,
 ) -> None:
-    """Write a folder whole: recordings as render and frame logs, simulated replays, and the page.
+    """Write a folder whole: recordings, simulated replays, the record and the page.
+
+    Recordings that stood beside it are removed once it is in place.
 
     Parameters
     ----------
-    recorded
-        By label, or the folder of an earlier validation, whose recordings are copied.
+    names
+        Of the cases' folders.
+    recordings
+        A folder of recordings, which are copied.
 
     Raises
     ------
@@ -64,72 +79,17 @@ def write_validation(
     """
     require_replaceable(folder, _ours(folder), "validate")
     with whole_folder(folder) as partial:
-        (partial / _SIMULATED).mkdir()
-        names = frame_log_names(list(pairs))
-        for label, name in names.items():
-            write_frame_log(partial / _SIMULATED / name, pairs[label].simulated)
-        if isinstance(recorded, Path):
-            for name in (_MEASURED, _RENDERED):
-                shutil.copytree(recorded / name, partial / name)
-        else:
-            _write_recordings(partial, recorded, names)
+        for number, by_label in series.items():
+            _write_simulated(partial / _SIMULATED / names[number], by_label)
+        for name in names:
+            if (recordings / name).is_dir():
+                shutil.copytree(recordings / name, partial / RECORDINGS / name)
         (partial / _RESULT).write_bytes(encode_record(validation))
-        (partial / _REPORT).write_text(render_validation(validation, pairs), encoding="utf-8")
+        (partial / _REPORT).write_text(render_validation(validation, series), encoding="utf-8")
+    shutil.rmtree(recordings_beside(folder), ignore_errors=True)
 
 
-def _write_recordings(
-    folder: Path, recorded: Mapping[str, list[Recorded]], names: Mapping[str, str]
-) -> None:
-    for kind in (_MEASURED, _RENDERED):
-        (folder / kind).mkdir()
-    for label, name in names.items():
-        for prefix, item in zip(("", _AGAIN), recorded[label], strict=False):
-            write_frame_log(folder / _MEASURED / f"{prefix}{name}", item.frames)
-            write_log(folder / _RENDERED / f"{prefix}{name}", item.columns, item.header)
-
-
-def read_recordings(
-    folder: Path, labels: list[str], wanted: Mapping[str, str]
-) -> dict[str, list[Recorded]]:
-    """Return the recordings of policies that `write_validation` wrote, by label.
-
-    Raises `InputError` if one is missing, broken, or was recorded under other conditions.
-
-    Parameters
-    ----------
-    wanted
-        Entries that the headers of the render logs must have, as `recordings.conditions` returns
-        them.
-    """
-    recordings: dict[str, list[Recorded]] = {}
-    for label, name in frame_log_names(labels).items():
-        if not (folder / _MEASURED / name).is_file():
-            raise InputError(
-                f"expected a recording of {label}, got none; give a folder that `lodbench validate "
-                "--out` wrote with that policy",
-                path=folder,
-            )
-        wanted = {**wanted, "policy": label}
-        recordings[label] = [_read(folder, name, wanted)]
-        if (folder / _MEASURED / f"{_AGAIN}{name}").is_file():
-            recordings[label].append(_read(folder, f"{_AGAIN}{name}", wanted))
-    return recordings
-
-
-def _read(folder: Path, name: str, wanted: Mapping[str, str]) -> Recorded:
-    frames = read_frame_log(folder / _MEASURED / name)
-    path = folder / _RENDERED / name
-    log = read_render_log(path, {"shaded_samples": "projected_px"})
-    header = dict(log.header)
-    for key, value in wanted.items():
-        if (got := header.get(key)) != header_text(value):
-            message = f"expected a recording with {key} {value}, got {got}; record again"
-            raise InputError(message, path=path)
-    if len(frames) != len(log):
-        message = (
-            f"expected the {len(log)} frames of its render log, got {len(frames)}; record again"
-        )
-        raise InputError(message, path=folder / _MEASURED / name)
-    counts = dict(zip(log.predictors, log.counts.T, strict=True))
-    counts["projected_px"] = np.asarray(counts["shaded_samples"])
-    return Recorded(header, counts, frames)
+def _write_simulated(folder: Path, series: Series) -> None:
+    folder.mkdir(parents=True)
+    for label, name in frame_log_names(list(series)).items():
+        write_frame_log(folder / name, series[label][1])

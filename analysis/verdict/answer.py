@@ -88,6 +88,7 @@ def _how_sure(
             f"{every} it comes first with probability {best:.2f}, and "
             f"is within the margin of the first with {near:.2f}"
         )
+    sure += _with_machine(leader)
     # Curves are of fewer paths: where they put another first, they say nothing of this one.
     if robustness is None or robustness.leader != leader.label:
         return f"{sure}."
@@ -95,6 +96,17 @@ def _how_sure(
     return (
         f"{sure}; read off the curves, it stays first on machines of {low:.2g} to {high:.2g} times "
         f"the speed{_with_costs(robustness)}."
+    )
+
+
+def _with_machine(leader: PolicyResult) -> str:
+    """Return how surely the leader keeps the budget where the machine is not taken as known."""
+    keeps = leader.keeps_budget
+    if keeps is None or keeps.with_machine is None:
+        return ""
+    return (
+        "; on a machine as uncertain as its profile says it keeps the budget with probability "
+        f"{keeps.with_machine:.2f}"
     )
 
 

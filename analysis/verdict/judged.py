@@ -25,7 +25,7 @@ class Judged:
     runs : tuple of tuple of Scored
         By judged path, then by seed; each path at the knob that was tuned without it.
     drawn : tuple of tuple of Scored
-        By posterior draw, then by path: the first paths on other machines.
+        By draw of the machine, then by path: the first paths on other machines.
     point_ms : (t,) float64
         Work time that the budget judges, at the recommended knob, on every path at hand.
     """
@@ -43,6 +43,11 @@ class Judged:
         """Work time that the budget judges on each judged path, (n,): geometric mean over seeds."""
         times = np.array([[run.judged_ms for run in seeds] for seeds in self.runs])
         return np.exp(np.log(times).mean(axis=1))
+
+    @property
+    def drawn_ms(self) -> FloatArray:
+        """Work time that the budget judges on each draw of the machine and path, (D, J)."""
+        return np.array([[run.judged_ms for run in paths] for paths in self.drawn])
 
     def values(self, metric: str) -> FloatArray:
         """Return a metric on each path under each seed, (n, S); NaN where a run has none."""

@@ -53,6 +53,25 @@ def p_keeps(p99_ms: FloatArray, budget_ms: float) -> float:
     return float(predictive_probability(np.log(p99_ms / budget_ms)))
 
 
+def p_keeps_with_machine(p99_ms: FloatArray, drawn_ms: FloatArray, budget_ms: float) -> float:
+    """Return the probability that another path is kept on another machine of the draws.
+
+    Each draw shifts the logarithm of the time of all paths by as much as on those that it was
+    replayed on; draws cover what is not known of the machine, so that the probability is their
+    mean.  A policy that steers hardly shifts, one that does not steer shifts as its machine does.
+
+    Parameters
+    ----------
+    p99_ms : (n,) float64
+        As of `p_keeps`, on the machine as fitted.
+    drawn_ms : (D, J) float64
+        On the same few paths, the columns, on D draws of the machine.
+    """
+    of_draw = np.log(drawn_ms).mean(axis=1)
+    shift = (of_draw - of_draw.mean())[:, np.newaxis]
+    return float(predictive_probability(np.log(p99_ms / budget_ms) + shift).mean())
+
+
 def predictive_probability(values: FloatArray, known: int | None = None) -> FloatArray:
     """Return the probability that one more value is at most 0, of normal samples, (…, n) to (…).
 

@@ -24,14 +24,14 @@ from .criterion import LAG_MARGIN_MS, PICTURE_MARGIN_PX, POPS_MARGIN_PER_S, Crit
 from .folding import fold_identical
 from .folds import folds
 from .judged import Judged
-from .keeping import keeping, p_keeps
+from .keeping import keeping, p_keeps, p_keeps_with_machine
 from .operating_point import SURE
 from .ranking import RankGroup, ranking
 from .robustness import robustness
 from .scores import LEVEL, score_metrics
 from .warnings import find_warnings
 
-_LEAST = {
+LEAST = {
     "missing_objects_mean": 0.01,
     "visible_error_px": PICTURE_MARGIN_PX,
     "visible_pops_per_s": POPS_MARGIN_PER_S,
@@ -145,7 +145,7 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
     if not known.any():  # nothing was ever in view: only what it took can be told apart
         return (Criterion("work_ms_mean", tables["work_ms_mean"], relative=margin),)
     return tuple(
-        Criterion(name, table[:, known], relative=margin, absolute=_LEAST[name])
+        Criterion(name, table[:, known], relative=margin, absolute=LEAST[name])
         for name, table in tables.items()
     )
 
@@ -153,13 +153,18 @@ def order_criteria(rivals: Sequence[Judged], margin: float) -> tuple[Criterion, 
 def _keeps(item: Judged, budget_ms: float) -> Keeps:
     probability = p_keeps(item.point_ms, budget_ms)
     judged = keeping(item.judged_ms, budget_ms, LEVEL)
+    known = not np.isnan(probability)
+    unsure = known and len(item.drawn) > 1
     return Keeps(
-        probability=None if np.isnan(probability) else probability,
+        probability=probability if known else None,
         kept=judged.kept,
         paths=judged.paths,
         low=judged.low,
         high=judged.high,
         work_ms=float(np.exp(np.log(item.point_ms).mean())),
+        with_machine=(
+            p_keeps_with_machine(item.point_ms, item.drawn_ms, budget_ms) if unsure else None
+        ),
     )
 
 

@@ -35,7 +35,10 @@ BudgetMs = Annotated[float | None, Option(help=_OR_REFRESH)]
 Seconds = Annotated[
     str, Option(metavar="A:B", help="Stretch of the path to replay, such as 5:20, 5: or :20.")
 ]
-FovyDeg = Annotated[float, Option(help="Vertical field of view.")]
+FovyDeg = Annotated[
+    float | None,
+    Option(help="Vertical field of view; else what the path's file states, or 60."),
+]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
 Pacing = Annotated[
     str | None,
@@ -68,7 +71,8 @@ Quick = Annotated[
     bool, Option("--quick", help="4 paths of 6 s in place of 10 of 12 s, at less certainty.")
 ]
 Draws = Annotated[
-    int, Option(help="Posterior draws of the cost model to replay, if there are any.")
+    int,
+    Option(help="Draws of the machine, of its fit and its scatter, to replay, if there are any."),
 ]
 Workers = Annotated[int, Option(help="Processes; 0 for one a processor.  Results are the same.")]
 Scheduler = Annotated[

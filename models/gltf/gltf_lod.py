@@ -1,9 +1,9 @@
 """glTF 2.0 files as flat scenes whose objects have the levels that ``MSFT_lod`` gives them.
 
 An object is a node with a mesh, or a node with ``MSFT_lod`` and all below it; siblings named as
-levels are one too.  Objects of equal
-meshes, turned and scaled alike, share a type.  Levels of materials, skins, morphs and animations
-are not read.  Microsoft, "MSFT_lod", vendor extension of glTF 2.0.
+levels are one too.  Objects of equal meshes, turned and scaled alike, share a type.  Levels of
+materials, skins, morphs and animations are not read.  Microsoft, "MSFT_lod", vendor extension of
+glTF 2.0.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..meshes.geometry import Geometry
 from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
@@ -42,7 +43,7 @@ def read_gltf_scene(
     is compressed and there is no decoder; or if the levels of a node are not ever coarser.
     """
     gltf = read_gltf(path)
-    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
+    with guarded(path, "a glTF 2.0 file with meshes", "export it again"):
         gltf.document = join_named_levels(gltf.document)
         return _read(gltf, path, sampling or Sampling())
 

@@ -1,18 +1,20 @@
 """Coefficients of a cost model: milliseconds per unit of each predictor; `frame_cost` prices.
 
-``ms = base + Σ linear · x + Σ_objects max(geometry · x, pixel · x)``, the second sum over objects
-being Gobbetti-Bouvier's and Funkhouser-Séquin's ``max(T_tri · triangles, T_pix · pixels)``.
+``ms = base + Σ linear · x + Σ_objects max(geometry · x, pixel · x) + Σ_knees ms · max(0, x − at)``,
+the second sum over objects being Gobbetti-Bouvier's and Funkhouser-Séquin's ``max(T_tri ·
+triangles, T_pix · pixels)``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, derive, frozen_array, require_finite
-from ...base.errors import InputError
+from ...base.errors import InputError, require_whole
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from .knee import Knee
 
 DISC_SHARE = 0.4
 """Share of a bounding sphere's disc that a mesh covers; hulls of eight cover 0.32 to 0.46."""
@@ -51,16 +53,27 @@ class CostModel:
     roofline_ms : (P,) float64
         Milliseconds per unit of the roofline term; ``shaded_samples`` is its pixel side, every
         level predictor its geometry side.
+    knees : tuple of Knee
+        Costs of what a frame counts beyond a total, each of another name.
+    passes : int
+        Cameras that draw what they see one after another: each draws, and is charged, anew.  1
+        also where several draw at once.
     """
 
     base_ms: float
     linear_ms: FloatArray
     roofline_ms: FloatArray
+    knees: tuple[Knee, ...] = ()
+    passes: int = 1
 
     def __post_init__(self) -> None:
+        require_whole(self.passes, "passes", 1)
         for name in ("linear_ms", "roofline_ms"):
             derive(self, **{name: _checked(getattr(self, name), GPU_PREDICTORS, name)})
         _require_base(self.base_ms, "base")
+        names = [knee.name for knee in self.knees]
+        if len(set(names)) < len(names):
+            raise InputError(f"knees: expected each once, got {', '.join(names)}")
 
     @classmethod
     def of(
@@ -68,6 +81,7 @@ class CostModel:
         base_ms: float,
         linear: Mapping[str, float],
         roofline: Mapping[str, float] | None = None,
+        knees: Sequence[Knee] = (),
     ) -> "CostModel":
         """Build a model from milliseconds per unit by predictor name.
 
@@ -77,6 +91,7 @@ class CostModel:
             base_ms,
             _vector(GPU_PREDICTORS, linear, "linear"),
             _vector(GPU_PREDICTORS, roofline or {}, "roofline"),
+            tuple(knees),
         )
 
     @property
@@ -89,11 +104,13 @@ class CostModel:
         return float(self.linear_ms[GPU_PREDICTORS.index(predictor)])
 
     def counted_ms(self, counts: Mapping[str, FloatArray]) -> FloatArray:
-        """Return what the base and the linear terms say of n frames' counts by predictor, (n,)."""
+        """Return what all but the roofline says of n frames' counts by predictor, (n,)."""
         total = np.full(len(next(iter(counts.values()))), self.base_ms)
         for name, ms in zip(GPU_PREDICTORS, self.linear_ms.tolist(), strict=True):
             if ms > 0.0:
                 total = total + ms * counts[name]
+        for knee in self.knees:
+            total = total + knee.ms * np.maximum(0.0, counts[knee.predictor] - knee.at)
         return total
 
 

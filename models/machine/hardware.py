@@ -9,13 +9,17 @@ from ...base.arrays import FloatArray, freeze, require_finite
 from ...base.errors import InputError, require_between, require_whole
 from ...base.predictors import GPU_PREDICTORS
 from .cost import CostModel, CpuCostModel
+from .identification import Identification
 from .residual import Residual
+from .scatter import Scatter
 
 DisplayMode = Literal["immediate", "vsync", "mailbox", "vrr"]
 Pacing = Literal["none", "limiter", "just-in-time"]
 
 MOST_LATENCY = 16
 """Frames of a waitable swapchain at most: DXGI's SetMaximumFrameLatency."""
+
+_SCATTER_DRAWS = 64  # as many as a fit keeps
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,18 +89,22 @@ class Posterior:
         Relative residual scale of each draw.
     roofline_ms : (D, P) float64 or None
         Coefficients of the roofline; None where those of the profile hold for every draw.
+    knee_ms : (D, K) float64 or None
+        Of the profile's knees, in their order; None as of the roofline.
     """
 
     base_ms: Annotated[FloatArray, np.float64, "D"]
     linear_ms: Annotated[FloatArray, np.float64, "D", len(GPU_PREDICTORS)]
     scale: Annotated[FloatArray, np.float64, "D"]
     roofline_ms: Annotated[FloatArray | None, np.float64, "D", len(GPU_PREDICTORS)] = None
+    knee_ms: Annotated[FloatArray | None, np.float64, "D", "K"] = None
 
     def __post_init__(self) -> None:
         if len(self) == 0:
             raise InputError("posterior: expected at least one draw, got none")
-        freeze(self, "posterior", D=len(self))
-        for name in ("base_ms", "linear_ms", "roofline_ms", "scale"):
+        knees = 0 if self.knee_ms is None else np.shape(self.knee_ms)[-1]
+        freeze(self, "posterior", D=len(self), K=knees)
+        for name in ("base_ms", "linear_ms", "roofline_ms", "knee_ms", "scale"):
             if getattr(self, name) is not None:
                 require_finite(getattr(self, name), f"posterior {name}", low=0.0)
 
@@ -134,6 +142,8 @@ class HardwareProfile:
     frames_in_flight : 1 to 4
     memory_bytes : bound of the loader
     disk_bytes_per_s, disk_latency_ms : loader bandwidth and latency
+    scatter : spread of the GPU's times between occasions and between scenes
+    identification : how well the fit could tell its terms apart, if one says so
     """
 
     name: str
@@ -148,6 +158,8 @@ class HardwareProfile:
     memory_bytes: float = 1e9
     disk_bytes_per_s: float = 200e6
     disk_latency_ms: float = 1.0
+    scatter: Scatter = field(default_factory=Scatter)
+    identification: Identification | None = None
 
     def __post_init__(self) -> None:
         require_between(self.frames_in_flight, 1, 4, "frames_in_flight")
@@ -156,6 +168,12 @@ class HardwareProfile:
             raise InputError("hardware: expected positive finite memory and disk figures")
         if self.disk_latency_ms < 0:
             raise InputError(f"disk latency: expected >= 0 ms, got {self.disk_latency_ms}")
+        drawn = None if self.posterior is None else self.posterior.knee_ms
+        if drawn is not None and drawn.shape[1] != len(self.gpu.knees):
+            raise InputError(
+                f"posterior knee_ms: expected a column for each of {len(self.gpu.knees)} knees, "
+                f"got {drawn.shape[1]}"
+            )
 
     def __repr__(self) -> str:
         display, assumed = self.display, ", assumed" if self.provenance.assumed else ""
@@ -166,20 +184,41 @@ class HardwareProfile:
         """Return the budget of a frame: the one that was asked for, else one refresh."""
         return 1e3 / self.display.refresh_hz if asked is None else asked
 
+    @property
+    def draws(self) -> int:
+        """How many draws of the machine there are: those of a fit, else some of its scatter."""
+        if self.posterior is not None:
+            return len(self.posterior)
+        return _SCATTER_DRAWS if self.scatter.any else 0
+
     def truth(self, draw: int | None) -> tuple[CostModel, Residual]:
-        """Return the GPU's cost model and scatter: the profile's own, or those of one draw.
+        """Return the GPU's cost model and residual: the profile's own, or those of one draw.
+
+        A draw is a row of the posterior, on one occasion and in one scene of the scatter.
 
         Raises `InputError` if the profile has no such draw.
         """
         if draw is None:
             return self.gpu, self.gpu_residual
-        if self.posterior is None or not 0 <= draw < len(self.posterior):
-            count = 0 if self.posterior is None else len(self.posterior)
-            raise InputError(f"draw: {self.name} has {count} posterior draws, got {draw}")
-        drawn = self.posterior.roofline_ms
+        if not 0 <= draw < self.draws:
+            raise InputError(f"draw: {self.name} has {self.draws} draws, got {draw}")
+        model, residual = self._fitted(draw)
+        return (self.scatter.apply(model, draw) if self.scatter.any else model), residual
+
+    def _fitted(self, draw: int) -> tuple[CostModel, Residual]:
+        """Return model and residual of a row of the posterior; without one, the profile's."""
+        if self.posterior is None:
+            return self.gpu, self.gpu_residual
+        drawn, knee_ms = self.posterior.roofline_ms, self.posterior.knee_ms
         model = CostModel(
             float(self.posterior.base_ms[draw]),
             self.posterior.linear_ms[draw],
             self.gpu.roofline_ms if drawn is None else drawn[draw],
+            self.gpu.knees
+            if knee_ms is None
+            else tuple(
+                replace(knee, ms=ms)
+                for knee, ms in zip(self.gpu.knees, knee_ms[draw].tolist(), strict=True)
+            ),
         )
         return model, replace(self.gpu_residual, scale=float(self.posterior.scale[draw]))

@@ -6,18 +6,23 @@ A coefficient is a value with its unit, so that a person reads ``70.5 ns`` a tri
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...base.files.strict_toml import TomlDocument, read_toml
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ...base.reader_guard import guarded
 from .cost import CostModel, CpuCostModel
 from .hardware import Display, HardwareProfile, Posterior, Provenance
+from .identification import Identification
+from .knee import Knee
 from .residual import Residual
+from .scatter import Scatter
 
 SCHEMA = "lodbench.hardware/1"
 PER_MS = {"ns": 1e6, "us": 1e3, "ms": 1.0}
@@ -29,6 +34,17 @@ _LARGEST_BYTES = 64 << 20  # a profile with 10,000 draws has 2 MB; more is anoth
 class _Amount:
     """A time, or a time per unit of a predictor; `sd` informs people, the simulator takes draws."""
 
+    value: float
+    unit: Literal["ns", "us", "ms"]
+    sd: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Knee:
+    """A price of each unit of a frame beyond `at`."""
+
+    predictor: str
+    at: float
     value: float
     unit: Literal["ns", "us", "ms"]
     sd: float = 0.0
@@ -63,7 +79,8 @@ def read_profile(path: Path) -> HardwareProfile:
     key, unit or number in it is missing, unknown or out of range; with the line where that is
     known.
     """
-    return _read(read_toml(path, _LARGEST_BYTES, "give a hardware profile in UTF-8"))
+    with guarded(path, "a hardware profile"):
+        return _read(read_toml(path, _LARGEST_BYTES, "give a hardware profile in UTF-8"))
 
 
 def parse_profile(text: str) -> HardwareProfile:
@@ -77,7 +94,8 @@ def _read(document: TomlDocument) -> HardwareProfile:
     if schema != SCHEMA:
         document.fail("schema", f'expected "{SCHEMA}", got {schema!r}; is it a hardware profile?')
     sections = ("provenance", "gpu", "cpu", "display", "memory", "disk")
-    document.table(data, ("schema", "name", "frames_in_flight", *sections), "")
+    known = ("schema", "name", "frames_in_flight", *sections, "identification")
+    document.table(data, known, "")
     for key in ("name", *sections):
         if key not in data:
             document.fail("", f"expected the key {key}, found none; add it")
@@ -86,7 +104,9 @@ def _read(document: TomlDocument) -> HardwareProfile:
 
 def _profile(document: TomlDocument, data: dict[str, Any]) -> HardwareProfile:
     gpu = document.table(
-        data["gpu"], ("base", "linear", "roofline", "residual", "posterior"), "gpu"
+        data["gpu"],
+        ("base", "linear", "roofline", "knee", "residual", "scatter", "posterior"),
+        "gpu",
     )
     cpu = document.table(data["cpu"], ("base", "linear", "residual"), "cpu")
     memory = document.record(data["memory"], _Memory, "memory")
@@ -97,7 +117,8 @@ def _profile(document: TomlDocument, data: dict[str, Any]) -> HardwareProfile:
     for key, kind in (("name", str), ("frames_in_flight", int)):
         if type(data.get(key, kind())) is not kind:
             document.fail(key, f"expected {kind.__name__}, got {data[key]!r}")
-    posterior = gpu.get("posterior")
+    posterior, told = gpu.get("posterior"), data.get("identification")
+    knees = _knees(document, gpu.get("knee", []))
     try:
         return HardwareProfile(
             name=data["name"],
@@ -106,6 +127,7 @@ def _profile(document: TomlDocument, data: dict[str, Any]) -> HardwareProfile:
                 _amount_ms(document, gpu["base"], "gpu.base"),
                 _terms_ms(document, gpu.get("linear", {}), GPU_PREDICTORS, "gpu.linear"),
                 _terms_ms(document, gpu.get("roofline", {}), GPU_PREDICTORS, "gpu.roofline"),
+                knees,
             ),
             cpu=CpuCostModel.of(
                 _amount_ms(document, cpu["base"], "cpu.base"),
@@ -113,12 +135,16 @@ def _profile(document: TomlDocument, data: dict[str, Any]) -> HardwareProfile:
             ),
             gpu_residual=document.record(gpu.get("residual", {}), Residual, "gpu.residual"),
             cpu_residual=document.record(cpu.get("residual", {}), Residual, "cpu.residual"),
-            posterior=None if posterior is None else _posterior(document, posterior),
+            posterior=None if posterior is None else _posterior(document, posterior, knees),
             display=document.record(data["display"], Display, "display"),
             frames_in_flight=data.get("frames_in_flight", 2),
             memory_bytes=memory.bytes,
             disk_bytes_per_s=disk.bytes_per_s,
             disk_latency_ms=disk.latency_ms,
+            scatter=document.record(gpu.get("scatter", {}), Scatter, "gpu.scatter"),
+            identification=(
+                None if told is None else document.record(told, Identification, "identification")
+            ),
         )
     except InputError as error:
         if error.line is not None:
@@ -144,10 +170,29 @@ def _terms_ms(
     return {name: _amount_ms(document, item, f"{where}.{name}") for name, item in table.items()}
 
 
-def _posterior(document: TomlDocument, table: Any) -> Posterior:
+def _knees(document: TomlDocument, tables: Any) -> list[Knee]:
+    """Return the knees of an array of tables."""
+    if not isinstance(tables, list):
+        document.fail("gpu.knee", "expected tables, each [[gpu.knee]]")
+    knees: list[Knee] = []
+    for at, table in enumerate(cast("list[Any]", tables)):
+        where = f"gpu.knee.{at}"
+        knee = document.record(table, _Knee, where)
+        amount_ms = _amount_ms(
+            document, {"value": knee.value, "unit": knee.unit, "sd": knee.sd}, where
+        )
+        try:
+            knees.append(Knee(knee.predictor, knee.at, amount_ms))
+        except InputError as error:
+            document.fail(where, error.message)
+    return knees
+
+
+def _posterior(document: TomlDocument, table: Any, knees: Sequence[Knee]) -> Posterior:
     where = "gpu.posterior"
     draws = document.record(table, _Draws, where)
     known = ("base", *GPU_PREDICTORS, *(f"roofline.{name}" for name in GPU_PREDICTORS))
+    known += tuple(knee.name for knee in knees)
     document.table(dict.fromkeys(draws.terms), known, where)
     width = len(draws.terms)
     if "base" not in draws.terms or len(set(draws.terms)) != width:
@@ -161,8 +206,14 @@ def _posterior(document: TomlDocument, table: Any) -> Posterior:
     columns = np.zeros((len(draws.draws), len(known)))
     columns[:, [known.index(term) for term in draws.terms]] = draws.draws
     try:
-        linear, roofline = np.split(columns[:, 1:], 2, axis=1)
-        drawn = roofline if any(term.startswith("roofline.") for term in draws.terms) else None
-        return Posterior(columns[:, 0], linear, np.array(draws.scale), drawn)
+        width = len(GPU_PREDICTORS)
+        base, linear, roofline, knee = np.split(columns, (1, 1 + width, 1 + 2 * width), axis=1)
+        return Posterior(
+            base[:, 0],
+            linear,
+            np.array(draws.scale),
+            roofline if any(term.startswith("roofline.") for term in draws.terms) else None,
+            knee if any(term.startswith("knee(") for term in draws.terms) else None,
+        )
     except InputError as error:
         document.fail(where, error.message)

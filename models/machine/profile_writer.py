@@ -4,7 +4,7 @@ The same profile always gives the same text, and reading it back the same profil
 """
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,13 @@ from ...base.arrays import FloatArray
 from ...base.files.whole_file import write_whole
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from .hardware import HardwareProfile, Posterior
+from .knee import Knee
 from .profile_file import PER_MS, SCHEMA
+from .residual import Residual
+from .scatter import Scatter
 
 _Table = dict[str, Any]
+_LATER = ("slow_", "spike_")  # keys of a residual that are newer than the schema
 
 
 def write_profile(profile: HardwareProfile, path: Path) -> None:
@@ -27,7 +31,7 @@ def write_profile(profile: HardwareProfile, path: Path) -> None:
 
 def profile_toml(profile: HardwareProfile) -> str:
     """Return the TOML text of a profile."""
-    terms, draws = _columns(profile.posterior)
+    terms, draws = _columns(profile.posterior, profile.gpu.knees)
     spread = draws.std(axis=0, ddof=1).tolist() if len(draws) > 1 else [0.0] * len(terms)
     deviation: dict[str, float] = dict(zip(terms, spread, strict=True))
     of_roofline = {name: deviation.get(f"roofline.{name}", 0.0) for name in GPU_PREDICTORS}
@@ -41,12 +45,14 @@ def profile_toml(profile: HardwareProfile) -> str:
             "base": _amount(gpu.base_ms, deviation.get("base", 0.0)),
             "linear": _terms(GPU_PREDICTORS, gpu.linear_ms, deviation),
             "roofline": _terms(GPU_PREDICTORS, gpu.roofline_ms, of_roofline),
-            "residual": dataclasses.asdict(profile.gpu_residual),
+            "knee": [_knee(knee, deviation.get(knee.name, 0.0)) for knee in gpu.knees],
+            "residual": _residual(profile.gpu_residual),
+            "scatter": _scatter(profile.scatter),
         },
         "cpu": {
             "base": _amount(cpu.base_ms),
             "linear": _terms(CPU_PREDICTORS, cpu.linear_ms, {}),
-            "residual": dataclasses.asdict(profile.cpu_residual),
+            "residual": _residual(profile.cpu_residual),
         },
         "display": dataclasses.asdict(profile.display),
         "memory": {"bytes": float(profile.memory_bytes)},
@@ -57,12 +63,14 @@ def profile_toml(profile: HardwareProfile) -> str:
     }
     if profile.posterior is not None:
         document["gpu"]["posterior"] = _posterior(terms, draws, profile.posterior.scale)
+    if profile.identification is not None:
+        document["identification"] = dataclasses.asdict(profile.identification)
     for part in ("gpu", "cpu"):
         document[part] = {key: table for key, table in document[part].items() if table}
     return tomli_w.dumps(document)
 
 
-def _columns(posterior: Posterior | None) -> tuple[list[str], FloatArray]:
+def _columns(posterior: Posterior | None, knees: Sequence[Knee]) -> tuple[list[str], FloatArray]:
     """Return the terms that any draw has, base first, and their draws."""
     if posterior is None:
         return [], np.zeros((0, 0))
@@ -70,9 +78,27 @@ def _columns(posterior: Posterior | None) -> tuple[list[str], FloatArray]:
     if posterior.roofline_ms is not None:
         names = (*names, *(f"roofline.{name}" for name in GPU_PREDICTORS))
         slopes = np.hstack([slopes, posterior.roofline_ms])
+    if posterior.knee_ms is not None:
+        names = (*names, *(knee.name for knee in knees))
+        slopes = np.hstack([slopes, posterior.knee_ms])
     used = np.flatnonzero(slopes.any(axis=0))
     terms = ["base", *(names[i] for i in used)]
     return terms, np.column_stack([posterior.base_ms, slopes[:, used]])
+
+
+def _residual(residual: Residual) -> _Table:
+    """Return a residual as a table, without keys of a later version that say nothing."""
+    table, plain = dataclasses.asdict(residual), dataclasses.asdict(Residual())
+    silent = [key for key in table if key.startswith(_LATER) and table[key] == plain[key]]
+    return {key: value for key, value in table.items() if key not in silent}
+
+
+def _scatter(scatter: Scatter) -> _Table:
+    return {} if scatter == Scatter() else dataclasses.asdict(scatter)
+
+
+def _knee(knee: Knee, sd_ms: float) -> _Table:
+    return {"predictor": knee.predictor, "at": float(knee.at), **_amount(knee.ms, sd_ms)}
 
 
 def _posterior(terms: list[str], draws: FloatArray, scale: FloatArray) -> _Table:

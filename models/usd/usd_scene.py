@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..meshes.geometry import Geometry
 from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, clean_surface
@@ -66,7 +67,7 @@ def read_usd_scene(
         raise InputError("expected a file, got no such file", path=path)
     if find_spec("pxr") is None:
         raise InputError("expected usd-core, got none; pip install 'lodbench[usd]'", path=path)
-    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
+    with guarded(path, "a USD file with meshes", "export it again"):
         return _read(_open(path), path, sampling or Sampling())
 
 

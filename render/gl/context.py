@@ -2,10 +2,13 @@
 
 import os
 import re
+from ctypes import c_void_p, cast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...base.errors import InputError
+from .measures.gl_functions import Loader
+from .process_memory import keep_memory
 
 if TYPE_CHECKING:
     import moderngl
@@ -36,6 +39,11 @@ class Device:
     driver: str
     software: bool
 
+    @property
+    def caller_draws(self) -> bool:
+        """Whether it draws in the caller's thread where it is given no threads."""
+        return "llvmpipe" in self.renderer
+
 
 @dataclass(slots=True)
 class Target:
@@ -45,11 +53,14 @@ class Target:
     ----------
     context : moderngl.Context
     device : Device
+    load : Loader
+        Of functions of OpenGL that moderngl lacks.
     window : handle of GLFW, or None off screen
     """
 
     context: "moderngl.Context"
     device: Device
+    load: Loader
     window: Any = None
 
     def show(self, picture: "moderngl.Framebuffer") -> None:
@@ -88,7 +99,7 @@ def open_target(
         Width and height of the window.
     threads
         Threads of Mesa's software rasteriser, 0 for none but the caller's; None leaves it be.  It
-        is read when the process opens its first context.
+        is read when the process opens its first context.  What it frees stays with the process.
     """
     try:
         import moderngl
@@ -97,13 +108,13 @@ def open_target(
         raise InputError(message) from error
     if threads is not None:
         os.environ["LP_NUM_THREADS"] = str(threads)
+        keep_memory()
     if backend not in BACKENDS:
         raise InputError(f"--backend: expected one of {', '.join(BACKENDS)}, got {backend}")
     try:
         if backend == "window":
             return _windowed(moderngl, size_px)
-        create: Any = moderngl.create_context  # its stubs want keywords in a dictionary
-        return _target(create(standalone=True, require=_VERSION, backend="egl"))
+        return _off_screen(moderngl)
     except InputError:
         raise
     except Exception as error:  # moderngl raises plain Exception, and ImportError for libraries
@@ -112,6 +123,15 @@ def open_target(
             raise InputError(f"expected {_WINDOW}, got: {what}; {_NO_WINDOW}") from error
         message = f"expected OpenGL {_VERSION / 100:.1f} through EGL, got: {what}; {_EGL_PACKAGES}"
         raise InputError(message) from error
+
+
+def _off_screen(moderngl: Any) -> Target:
+    import glcontext
+
+    # Made here, not by moderngl, which keeps its loader to itself.
+    backends: Any = glcontext  # which has no stubs
+    egl = backends.get_backend_by_name("egl")(mode="standalone", glversion=_VERSION)
+    return _target(moderngl.create_context(require=_VERSION, context=egl), egl.load)
 
 
 def _windowed(moderngl: Any, size_px: tuple[int, int]) -> Target:
@@ -128,7 +148,11 @@ def _windowed(moderngl: Any, size_px: tuple[int, int]) -> Target:
         raise InputError(f"expected {_WINDOW}, got: {reason}; {_NO_WINDOW}")
     glfw.make_context_current(window)
     glfw.swap_interval(0)  # a wait for the screen is no cost of the frame
-    return _target(moderngl.create_context(require=_VERSION), window)
+
+    def load(name: str) -> int:
+        return cast(glfw.get_proc_address(name), c_void_p).value or 0
+
+    return _target(moderngl.create_context(require=_VERSION), load, window)
 
 
 def _open_window(glfw: Any, size_px: tuple[int, int]) -> Any:
@@ -139,9 +163,9 @@ def _open_window(glfw: Any, size_px: tuple[int, int]) -> Any:
     return glfw.create_window(*size_px, "lodbench", None, None) or None
 
 
-def _target(context: "moderngl.Context", window: Any = None) -> Target:
+def _target(context: "moderngl.Context", load: Loader, window: Any = None) -> Target:
     context.gc_mode = "auto"  # give back what Python no longer refers to
-    return Target(context, _device(context), window)
+    return Target(context, _device(context), load, window)
 
 
 def _device(context: "moderngl.Context") -> Device:

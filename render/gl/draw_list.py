@@ -12,6 +12,8 @@ from .instances import bone_palette, farthest_m, placements, projection
 from .mesh_buffers import Meshes
 from .shaders import BONES
 
+_GOLDEN = 0.618034  # neighbours by number come to lie far apart
+
 
 @dataclass(frozen=True, slots=True)
 class Picture:
@@ -28,6 +30,10 @@ class Picture:
     distance_m : (m,) float64
         From the eye; of one level the near ones are drawn first.
     size_px : width and height
+    mixed :
+        Whether objects are drawn one by one in an order that mixes types, not sorted by them.
+    upload_bytes :
+        What else goes to the device, as a level's geometry does when it is first drawn.
     """
 
     camera: Camera
@@ -37,6 +43,8 @@ class Picture:
     distance_m: FloatArray
     time_s: float
     size_px: tuple[int, int]
+    mixed: bool = False
+    upload_bytes: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +66,7 @@ class Frame:
     projection: bytes
     instances: bytes
     palette: bytes
+    upload_bytes: int
     batches: tuple[Batch, ...]
 
     @property
@@ -83,18 +92,23 @@ class Counts:
     state_changes: int
     framebuffer_pixels: int
     instance_bytes: int
+    bytes_uploaded: int
 
 
 def prepare_frame(scene: Scene, meshes: Meshes, picture: Picture, *, instancing: bool) -> Frame:
-    """Sort what is drawn by type, level and distance, and place it.
+    """Sort what is drawn by type, level and distance, or mix it, and place it.
 
-    With `instancing` a batch holds all instances of a level, without it one object.
+    With `instancing` a batch holds all instances of a level, without it or mixed one object.
     """
-    order = np.lexsort((picture.distance_m, picture.row))
+    if picture.mixed:
+        order = np.argsort((picture.ids * _GOLDEN) % 1.0, kind="stable")
+    else:
+        order = np.lexsort((picture.distance_m, picture.row))
     ids, row = picture.ids[order], picture.row[order]
     skinned = np.array(meshes.skinned, dtype=np.bool_)[row]
     bone = 3 * BONES * (np.cumsum(skinned) - skinned)
-    first = np.flatnonzero(np.diff(row, prepend=-1)) if instancing else np.arange(len(row))
+    by_level = instancing and not picture.mixed
+    first = np.flatnonzero(np.diff(row, prepend=-1)) if by_level else np.arange(len(row))
     count = np.diff(first, append=len(row))
     columns = (row[first], scene.type_index[ids[first]], first, count, bone[first])
     far_m = farthest_m(scene, picture.camera, picture.centers_m)
@@ -103,6 +117,7 @@ def prepare_frame(scene: Scene, meshes: Meshes, picture: Picture, *, instancing:
         projection(picture.camera, far_m).tobytes(),
         placements(scene, ids, picture.centers_m, picture.camera).tobytes(),
         bone_palette(ids[skinned], picture.time_s).tobytes(),
+        picture.upload_bytes,
         tuple(map(Batch, *(column.tolist() for column in columns))),
     )
 
@@ -122,5 +137,13 @@ def count_frame(meshes: Meshes, frame: Frame) -> Counts:
         before = batch.kind
     pixels = frame.size_px[0] * frame.size_px[1]
     return Counts(
-        calls, vertices, triangles, skinned, textured, changes, pixels, frame.instance_bytes
+        calls,
+        vertices,
+        triangles,
+        skinned,
+        textured,
+        changes,
+        pixels,
+        frame.instance_bytes,
+        frame.upload_bytes,
     )

@@ -2,7 +2,7 @@
 
 import gc
 from array import array
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple
 
@@ -16,28 +16,23 @@ from ...models.scene.tree import Tree
 from ...sim.simulated_machine import FrameTimes, Submitted
 from .context import Device
 from .draw_list import Counts, Frame, Picture
+from .measures.reference_draw import ReferenceDraw
+from .measures.timer_query import doubt_timer
 from .renderer import Renderer, Timing
-from .timer_query import doubt_timer
 
 # Levels are ready to draw here: none is made anew in every frame.
 _NOT_DONE = ("reformed_objects", "reformed_triangles")
 _EXPECTED = tuple(name for name in VIEW_TERMS if name not in ("shaded_samples", *_NOT_DONE))
 
-MEASURED = (
-    *Counts.__dataclass_fields__,
-    "shaded_samples",
-    *_EXPECTED,
-    "cpu_ms",
-    "gpu_ms",
-    "frame_ms",
-    "frame_ms_low",
-    "frame_ms_high",
-)
-"""Columns of `GlMachine.rows`: counts, then medians of the repeats, then their extremes.
+COUNTED = (*Counts.__dataclass_fields__, "shaded_samples", *_EXPECTED)
+"""Columns of what a frame holds, in a log that is measured.
 
 All are the renderer's own but the view's other terms, such as ``rasterized_triangles``, which no
 query tells: they are what the cost model expects of what was drawn.
 """
+
+_TIMED = ("cpu_ms", "gpu_ms", "frame_ms", "frame_ms_low", "frame_ms_high")
+_REFERENCE = ("reference_before_ms", "reference_after_ms")
 
 
 class GlMachine:
@@ -52,8 +47,8 @@ class GlMachine:
         Times that each frame is drawn; the median of five is quieter than one by half.
     warmup
         Times that the first frame is drawn before it counts: drivers compile then.
-    step_ms
-        Time that passes on the trace from frame to frame, instead of what the frame took.
+    reference
+        What is drawn before and after each frame, to tell what the machine does at the moment.
 
     Attributes
     ----------
@@ -68,12 +63,14 @@ class GlMachine:
         *,
         repeats: int = 5,
         warmup: int = 5,
-        step_ms: float | None = None,
+        reference: ReferenceDraw | None = None,
     ) -> None:
         if not 1 <= repeats <= 99:
             raise InputError(f"--repeats: expected 1 to 99 drawings of a frame, got {repeats}")
         self._renderer, self._device = renderer, device
-        self._repeats, self._warmup, self._step_ms = repeats, warmup, step_ms
+        self._repeats, self._warmup, self._reference = repeats, warmup, reference
+        about = _REFERENCE if reference is not None else ()
+        self._names = (*COUNTED, *renderer.statistics, *_TIMED, *about)
         self._rows = array("d")
         self.doubt: str | None = None
 
@@ -84,41 +81,61 @@ class GlMachine:
     def run(self, frame: Submitted) -> FrameTimes:
         """Draw the frame; return what it took."""
         picture = picture_of(frame)
+        return FrameTimes(0.0, 0.0, self.measure(picture, expected_units(frame, picture)))
+
+    def measure(self, picture: Picture, expected: Sequence[float]) -> float:
+        """Draw a picture, and keep a row of what it holds and takes; return its milliseconds.
+
+        Parameters
+        ----------
+        expected : as of `expected_units`
+        """
         ready = self._renderer.prepare(picture)
         if not self._rows:
             self.doubt = doubt_timer(self._device, self._drawn(ready, max(1, self._warmup)))
-        timings = self._drawn(ready, self._repeats)
+        before = self._refer()
+        timings = self._drawn(ready, self._repeats, counting=True)
+        after = self._refer()
         times = np.array([(t.cpu_ms, t.gpu_ms, t.frame_ms) for t in timings])
         middle = np.median(times, axis=0)
         if not 0.0 < middle[1] <= 1.05 * middle[2]:
             middle[1] = np.nan  # no result, or a counter that ran over
-        samples = timings[-1].shaded_samples, *_expected(frame, picture)
         self._rows.extend(astuple(self._renderer.count(ready)))
-        self._rows.extend((*samples, *middle, times[:, 2].min(), times[:, 2].max()))
-        return FrameTimes(0.0, 0.0, float(middle[2]) if self._step_ms is None else self._step_ms)
+        self._rows.extend((timings[-1].shaded_samples, *expected, *timings[0].statistics))
+        self._rows.extend((*middle, times[:, 2].min(), times[:, 2].max(), *before, *after))
+        return float(middle[2])
 
     def rows(self) -> dict[str, NDArray[np.float64]]:
-        """Return what was measured so far, by `MEASURED`, one value a frame.
+        """Return what was counted and measured so far, by name, one value a picture.
 
-        ``gpu_ms`` is left out where the timer is in doubt.
+        Times are medians of the repeats, and their extremes.  ``gpu_ms`` is left out where the
+        timer is in doubt.
         """
-        table = np.frombuffer(self._rows, dtype=np.float64).reshape(-1, len(MEASURED))
-        columns = dict(zip(MEASURED, table.T, strict=True))
+        table = np.frombuffer(self._rows, dtype=np.float64).reshape(-1, len(self._names))
+        columns = dict(zip(self._names, table.T, strict=True))
         if self.doubt is not None:
             del columns["gpu_ms"]
         return columns
 
-    def _drawn(self, frame: Frame, count: int) -> list[Timing]:
-        with _no_collection():
-            return [self._renderer.draw(frame) for _ in range(count)]
+    def _refer(self) -> tuple[float, ...]:
+        return () if self._reference is None else (self._reference.take_ms(),)
+
+    def _drawn(self, frame: Frame, count: int, *, counting: bool = False) -> list[Timing]:
+        """Draw a frame so often; the driver counts the first drawing, which seldom is the median.
+
+        That way what counting takes is in no time, unless a frame is drawn but once.
+        """
+        with no_collection():
+            draw = self._renderer.draw
+            return [draw(frame, counting=counting and i == 0) for i in range(count)]
 
 
-def _expected(frame: Submitted, picture: Picture) -> list[float]:
-    """Return the units of the view's terms that cannot be measured, in the order of `MEASURED`."""
+def expected_units(frame: Submitted, picture: Picture) -> tuple[float, ...]:
+    """Return the units of the view's terms that no query tells, as `COUNTED` ends with."""
     view, scale = frame.view, frame.selection.render_scale
     seen = view if picture.ids is view.ids else view.at(picture.ids)
     levels = view.scene.types.levels
-    return [view_units(name, levels, picture.row, seen, scale * scale) for name in _EXPECTED]
+    return tuple(view_units(name, levels, picture.row, seen, scale * scale) for name in _EXPECTED)
 
 
 def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
@@ -144,7 +161,7 @@ def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
 
 
 @contextmanager
-def _no_collection() -> Generator[None]:
+def no_collection() -> Generator[None]:
     """Keep Python from collecting garbage, which would be measured."""
     before = gc.isenabled()
     gc.disable()

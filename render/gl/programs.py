@@ -1,6 +1,6 @@
 """Shader programs, by whether they blend bones and sample the texture."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +39,33 @@ def make_program(
         for source in (VERTEX, FRAGMENT)
     )
     program = context.program(vertex_shader=vertex.lstrip(), fragment_shader=fragment.lstrip())
+    return Program(
+        _array(context, meshes, program, skinned=skinned, textured=textured),
+        program["projection"],
+        program["color"],
+        program["first"],
+        program["first_bone"] if skinned else None,
+    )
+
+
+def rebind(
+    context: "moderngl.Context", meshes: Meshes, program: Program, *, skinned: bool, textured: bool
+) -> Program:
+    """Return a program over other buffers than those that it was compiled with."""
+    compiled = program.array.program
+    array = _array(context, meshes, compiled, skinned=skinned, textured=textured)
+    program.array.release()
+    return replace(program, array=array)
+
+
+def _array(
+    context: "moderngl.Context",
+    meshes: Meshes,
+    program: "moderngl.Program",
+    *,
+    skinned: bool,
+    textured: bool,
+) -> "moderngl.VertexArray":
     # The compiler drops what nothing reads, and an array may not name it.
     layout: list[Any] = [
         (meshes.vertex, "3f4 3f4 2f4", "in_position", "in_normal", "in_uv")
@@ -47,14 +74,7 @@ def make_program(
     ]
     if skinned:
         layout.append((meshes.skin, "4u1 4f1", "in_bones", "in_weights"))
-    array = context.vertex_array(program, layout, index_buffer=meshes.index)
-    return Program(
-        array,
-        program["projection"],
-        program["color"],
-        program["first"],
-        program["first_bone"] if skinned else None,
-    )
+    return context.vertex_array(program, layout, index_buffer=meshes.index)
 
 
 def checker(context: "moderngl.Context") -> "moderngl.Texture":

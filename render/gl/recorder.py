@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import IntArray
 from ...base.errors import InputError
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
@@ -52,14 +53,16 @@ class Recording:
     doubt: str | None
 
 
-def recorded_hardware(hardware: HardwareProfile, size_px: tuple[int, int]) -> HardwareProfile:
-    """Return the profile as frames are recorded: one in flight, no screen, this size.
+def recorded_hardware(
+    hardware: HardwareProfile, size_px: tuple[int, int], frames_in_flight: int = 1
+) -> HardwareProfile:
+    """Return the profile as frames are recorded: so many in flight, no screen, this size.
 
     Raises `InputError` if the size is not positive.
     """
     width, height = size_px
     screen = replace(hardware.display, mode="immediate", width_px=width, height_px=height)
-    return replace(hardware, display=screen, frames_in_flight=1)
+    return replace(hardware, display=screen, frames_in_flight=frames_in_flight)
 
 
 def check_policy(policy: Policy, scene: Scene, name: str) -> None:
@@ -105,11 +108,16 @@ def record(
     check_policy(policy, scene, name)
     watched = watch(policy)
     log = replay(watched, scene, trace, hardware, options, name=name, machine=machine)
-    columns = measuring.rows()
-    columns = {"trace_s": log["input_ns"] * 1e-9} | columns
-    columns |= {name: np.asarray(log[source]) for name, source in _FROM_LOG.items()}
-    columns["policy_ms"] = np.array(watched.select_ms)
+    columns = logged_columns(log) | measuring.rows() | {"policy_ms": np.array(watched.select_ms)}
     return Recording(log, columns, measuring.doubt)
+
+
+def logged_columns(
+    log: FrameLog, frames: slice | IntArray = slice(None)
+) -> dict[str, NDArray[np.float64]]:
+    """Return what a render log takes from the frame log, of all of its frames or some."""
+    columns = {name: np.asarray(log[source])[frames] for name, source in _FROM_LOG.items()}
+    return {"trace_s": log["input_ns"][frames] * 1e-9} | columns
 
 
 def header_of(device: Device, about: dict[str, str], doubt: str | None) -> dict[str, str]:

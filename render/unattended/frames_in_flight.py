@@ -1,4 +1,4 @@
-"""Throughput and lag with several frames in flight, which `lodbench record` never has.
+"""Throughput and lag with several frames in flight in open loop: no policy, no Python between.
 
 ``python -m lodbench.render.unattended.frames_in_flight SCENE WIDTHxHEIGHT each|instanced FRAMES``
 draws up to 60 of so many frames of calibration and prints a JSON document: medians of frames that
@@ -24,6 +24,7 @@ from ...traces.cameras.generators.tour import tour
 from ..gl.calibration import Calibration
 from ..gl.context import open_target
 from ..gl.draw_list import Frame, Picture
+from ..gl.measures.fences import Fences
 from ..gl.opengl_machine import picture_of
 from ..gl.recorder import recorded_hardware
 from ..gl.renderer import Renderer
@@ -31,6 +32,7 @@ from ..gl.renderer import Renderer
 _EVERY = 10  # frames of the programme, of which one is drawn
 _MOST_PICTURES = 60
 _MOST_IN_FLIGHT = 4
+_THREADS = 1  # of llvmpipe, which else draws in the thread that submits
 
 
 class _PictureKeeper:
@@ -66,29 +68,28 @@ def programme(scene: Scene, size_px: tuple[int, int], frames: int) -> list[Pictu
     return keeper.pictures
 
 
-def measure(renderer: Renderer, frames: list[Frame], in_flight: int) -> dict[str, float]:
+def measure(
+    renderer: Renderer, fences: Fences, frames: list[Frame], in_flight: int
+) -> dict[str, float]:
     """Return interval, lag and time to submit in milliseconds, means over all frames drawn twice.
 
-    Before frame k is submitted, the end of frame k - `in_flight` is waited for by reading its
-    timer query, as an engine waits for a fence.
+    Before frame k is submitted, the fence of frame k - `in_flight` is waited for.
     """
-    context = renderer.context
-    queries = [context.query(samples=False, time=True) for _ in range(in_flight)]
-    began: deque[float] = deque()
+    flying: deque[tuple[int, float]] = deque()  # fences, and when their frames began
     lags_s: list[float] = []
     submits_s: list[float] = []
-    context.finish()
+    renderer.context.finish()
     start = time.perf_counter()
     for k, frame in enumerate(frames * 2):
-        query = queries[k % in_flight]
         if k >= in_flight:
-            _ = query.elapsed
-            lags_s.append(time.perf_counter() - began.popleft())
-        began.append(time.perf_counter())
-        with query:
-            renderer.submit(frame, renderer.framebuffer(frame.size_px))
-        submits_s.append(time.perf_counter() - began[-1])
-    context.finish()
+            fence, began = flying.popleft()
+            fences.reached(fence, wait=True)
+            lags_s.append(time.perf_counter() - began)
+        began = time.perf_counter()
+        renderer.submit(frame, renderer.framebuffer(frame.size_px))
+        flying.append((fences.set(), began))
+        submits_s.append(time.perf_counter() - began)
+    renderer.context.finish()
     interval_s = (time.perf_counter() - start) / (2 * len(frames))
     times_s = {"interval": interval_s, "lag": np.mean(lags_s), "cpu": np.mean(submits_s)}
     return {f"{name}_ms": 1e3 * float(value) for name, value in times_s.items()}
@@ -99,16 +100,17 @@ def main(spec: str, size: str, draws: str, count: str) -> None:
     width, _, height = size.partition("x")
     size_px = (int(width), int(height))
     opened = open_scene(spec)
-    target = open_target("egl", size_px, threads=0)
+    target = open_target("egl", size_px, threads=_THREADS)
     renderer = Renderer(
         target, opened.scene, opened.read_geometry(), instancing=draws == "instanced"
     )
     frames = [renderer.prepare(picture) for picture in programme(opened.scene, size_px, int(count))]
     alone = np.median([astuple(renderer.draw(frame))[:3] for frame in frames], axis=0)
     names = ("cpu_ms", "gpu_ms", "frame_ms")
+    fences = Fences(target.load)
     found: dict[str, dict[str, float]] = {"alone": dict(zip(names, alone.tolist(), strict=True))}
     for in_flight in range(1, _MOST_IN_FLIGHT + 1):
-        found[str(in_flight)] = measure(renderer, frames, in_flight)
+        found[str(in_flight)] = measure(renderer, fences, frames, in_flight)
     target.close()
     print(json.dumps(found))
 

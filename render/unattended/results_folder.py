@@ -12,6 +12,7 @@ from ...base.files.whole_file import whole_file, whole_text_file
 from ...traces.logs.read_log import read_render_log
 
 _COUNTS = ("draw_calls", "triangles", "shaded_samples")
+_SUMMARISED = ("repeats_spread_pct", "reference_ms_mean", "lag_ms_mean", "condition")
 _QUANTILES = (0.05, 0.5, 0.95)
 
 
@@ -44,7 +45,7 @@ class ResultsFolder:
         columns |= dict(zip(_COUNTS, log.columns(_COUNTS).T, strict=True))
         record = {
             "frames": summary["frames"],
-            "repeats_spread_pct": summary["repeats_spread_pct"],
+            **{key: summary[key] for key in _SUMMARISED if key in summary},
             **{key: np.nanquantile(values, _QUANTILES).tolist() for key, values in columns.items()},
             "header": summary["log"],
             **more,

@@ -28,7 +28,9 @@ scene = Scene(
 hardware = HardwareProfile(
     "machine", Provenance("assumed", assumed=True),
     CostModel.of(1.0, {"triangles": 1e-6, "shaded_samples": 1e-7}),
-    CpuCostModel.of(0.5, {"draw_calls": 1e-4}), Residual("student-t", 0.05),
+    CpuCostModel.of(0.5, {"draw_calls": 1e-4}), Residual(
+        "student-t", 0.05, slow_scale=0.05, slow_time_s=0.1, spike_share=0.1, spike_scale=0.5
+    ),
     display=Display("immediate"),
 )
 trace = generate("look-around", duration_s=20.0, extent_m=100.0, seed=3)

@@ -76,7 +76,7 @@ def test_predictions_are_noted(run: Run, scripted: MakePolicy) -> None:
 
 def test_posterior_draws_play_the_truth(run: Run, make_hardware: MakeHardware) -> None:
     """A draw that the profile does not have is refused before any frame."""
-    with pytest.raises(InputError, match="has 0 posterior draws"):
+    with pytest.raises(InputError, match="has 0 draws"):
         run(Full(), hardware=make_hardware(), options={"draw": 0})
 
 

@@ -13,11 +13,12 @@ from ...base.errors import InputError
 from .columns.column_roles import smell_of
 from .columns.column_units import clock_unit, settle_units
 from .log_columns import MS_PER, TIMED, FoundColumns, LogColumn, no_time
-from .render_log import TIMES, ColumnSource, RenderLog
+from .render_log import RECORDED, TIMES, ColumnSource, RenderLog
 
 STEPS = "the steps of"
 """How the source of frame times begins that are those of a clock, where the file has no others."""
 
+_ASIDE = (*TIMED, *RECORDED)  # what counts nothing
 _BACKWARDS = 0.05  # share of steps back, above which a column is no clock
 
 
@@ -78,13 +79,13 @@ def build_log(
         times["frame_ms"] = np.diff(clock, prepend=np.nan) * 1e3
         sources.append(ColumnSource("frame_ms", f"{STEPS} {clock_source[0].source}", "ms"))
     counts = {
-        c.name: values[:, i] * c.multiplier for i, c in enumerate(columns) if c.name not in TIMED
+        c.name: values[:, i] * c.multiplier for i, c in enumerate(columns) if c.name not in _ASIDE
     }
     sources += clock_source
     sources += [
         ColumnSource(c.name, c.source, "count" if c.multiplier == 1.0 else f"{c.multiplier:g}")
         for c in columns
-        if c.name not in TIMED
+        if c.name not in _ASIDE
     ]
     pixels = _pixels(text.header)
     if pixels:
@@ -105,6 +106,7 @@ def build_log(
         warnings=(*text.odd, *clock_note, *_smells(text.unused, times)),
         sources=tuple(sources),
         unused=text.unused,
+        recorded={c.name: values[:, i] for i, c in enumerate(columns) if c.name in RECORDED},
     )
 
 

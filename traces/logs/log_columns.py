@@ -13,7 +13,7 @@ from ...base.errors import InputError
 from ...base.nearest_names import unknown_name
 from .columns.column_roles import PARTS, ROLES, THREADS, role_of, said_by, smell_of
 from .columns.column_words import words_of
-from .render_log import COUNTS, TIMES
+from .render_log import COUNTS, RECORDED, TIMES
 
 MS_PER = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
 TIMED = (*TIMES, "time_s")
@@ -93,6 +93,12 @@ def find_columns(
     if len(header) > MOST_COLUMNS:
         raise head.error(f"expected at most {MOST_COLUMNS} columns, got {len(header)}; drop some")
     found = _mapped(mapping or {}, head)
+    mapped = {column.index for column in found}
+    found += [
+        LogColumn(name, index, name, "ms" if name.endswith("_ms") else "")
+        for index, name in enumerate(header)
+        if name in RECORDED and header.count(name) == 1 and index not in mapped
+    ]
     named = {column.name for column in found}
     notes: list[str] = []
     for name, ranked in _candidates(header, {column.index for column in found}).items():

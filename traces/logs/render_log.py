@@ -4,8 +4,8 @@ Every frame of the file is kept.  Which of them can serve as measurements depend
 is asked about, so `measurable` says it for one time column and counts what it leaves out.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -21,6 +21,13 @@ TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 
 COUNTS = tuple(dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)))
 """What the columns of a log may count, each name once."""
+
+RECORDED = ("reference_before_ms", "reference_after_ms", "lag_ms", "drawn_at", "pass")
+"""What `lodbench record` writes beside times and counts, each under this very name.
+
+The time of one fixed draw before and after a frame's; from input to completion; the place of the
+frame in the order of drawing; and which of two times the frame was drawn.
+"""
 
 # Compilation and first uploads: real times, but of work that no predictor counts.  In logs of
 # llvmpipe the first three frames take up to three times what later ones with as much to draw do.
@@ -83,6 +90,7 @@ class RenderLog:
     sources : where each column comes from
     unused : columns of numbers in the file that serve nothing
     timings : what a tool that times presents measured of them, or None
+    recorded : (n,) float64 by name, those of `RECORDED` that the file has
     """
 
     name: str
@@ -99,6 +107,7 @@ class RenderLog:
     sources: tuple[ColumnSource, ...] = ()
     unused: tuple[str, ...] = ()
     timings: FrameTimings | None = None
+    recorded: Mapping[str, FloatArray] = field(default_factory=dict[str, FloatArray])
 
     def __post_init__(self) -> None:
         frames, width = len(self.counts), len(self.predictors)
@@ -108,6 +117,11 @@ class RenderLog:
             if values is not None:
                 frozen = frozen_array(values, np.float64, shape, f"render log {name}")
                 object.__setattr__(self, name, frozen)
+        recorded = {
+            name: frozen_array(values, np.float64, (frames,), f"render log {name}")
+            for name, values in self.recorded.items()
+        }
+        object.__setattr__(self, "recorded", recorded)
         unknown = [name for name in self.predictors if name.partition("[")[0] not in COUNTS]
         if unknown or len(set(self.predictors)) != width:
             raise InputError(f"render log: expected distinct known predictors, got {unknown}")

@@ -1,62 +1,181 @@
-"""How many independent frames a log is worth.
+"""How many independent frames a log is worth, and how much wider that makes the posterior.
 
-What a cost model misses changes slowly with the view, so successive frames err alike; and no noise
-is quite Student's t.  A likelihood that multiplies frames as if they were independent and its noise
-true is too sure of itself.  It is therefore raised to a power, the worth of a frame: the magnitude
-adjustment of composite likelihoods (Pauli, Racugno, Ventura, Statistica Sinica 21, 2011), the
-number of coefficients over the trace of ``H⁻¹ J``, H the curvature and J the long-run variance of
-the scores.
+What a cost model misses changes slowly with the view or the machine, so successive frames err
+alike; and no noise is quite Student's t.  A likelihood that multiplies frames as if they were
+independent and its noise true is too sure of itself, and not in all directions alike: where views
+come in any order, slow errors blur the cost of the mean frame and hardly the difference that a
+triangle makes.  So the likelihood is stretched about its optimum, in each direction by what the
+scores of the frames say (the curvature adjustment of composite likelihoods: Ribatet, Cooley,
+Davison, Statistica Sinica 22, 2012).  The first direction is that of the mean frame's cost.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
-import emcee
 import numpy as np
+from numpy.typing import NDArray
 
 from ....base.arrays import FloatArray
-from ..design import Design
-from ..fit_frames import Sample
-from ..sampling.likelihood import Likelihood
-from .posterior_predictive import Draws
+from .slow_error import slow_error
+from .spikes import are_spikes
 
-_STANDS_OUT = 2.0  # deviations of chance
-_FEWEST = 30  # frames, below which nothing can be said of their order
 _LEAST_STIFF = 0.1  # mean curvature of a frame's likelihood; outliers' own is negative
+_STRETCH, _STRETCHES = 10, 30  # frames of a stretch at most, and how many there must be
+_STANDS_OUT = 2.0  # deviations of chance
 _LEAST = 1e-9  # curvature, of the largest, below which a direction is not looked at
 
 
-def frame_worth(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> float:
-    """Return the share of a frame that each frame counts for, in (0, 1].
+@dataclass(frozen=True, slots=True, eq=False)
+class Frames:
+    """Frames about the optimum of a likelihood, in the order in which they were drawn.
 
-    It is one over the mean, over K directions in which the likelihood is equally curved, of the
-    long-run variance of the scores, which is 1 where the model is true.
+    Attributes
+    ----------
+    slopes : (K, n) float64
+        By how much their times grow with each coefficient.
+    mean, scale : (n,) float64
+        Mean time and scale of the noise, ms.
+    time_ms : (n,) float64
+    series : (n,) int64
+        Which log a frame is of; logs err independently of each other.
+    dof : of Student's t, or None where the noise is Gaussian
     """
-    draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
-    mean, scale = (moment[0] for moment in draws.moments(design))
-    z = (sample.time_ms - mean) / scale
-    pull, stiffness = z, 1.0
-    if likelihood.names[-1] == "inverse_dof":
-        dof = 1.0 / theta[-1]
-        pull = (dof + 1.0) * z / (dof + z**2)
-        curvature: FloatArray = (dof + 1.0) * (dof - z**2) / (dof + z**2) ** 2
-        stiffness = max(float(curvature.mean()), _LEAST_STIFF)
-    columns = design.columns / scale
-    values, vectors = np.linalg.eigh(stiffness * columns @ columns.T / len(z))
+
+    slopes: FloatArray
+    mean: FloatArray
+    scale: FloatArray
+    time_ms: FloatArray
+    series: NDArray[np.int64]
+    dof: float | None
+
+    def rows(self, which: NDArray[np.int64]) -> "Frames":
+        """Return some of the frames."""
+        one = (self.mean[which], self.scale[which], self.time_ms[which], self.series[which])
+        return Frames(self.slopes[:, which], *one, self.dof)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dependence:
+    """What frames tell of K coefficients along k directions in which they are equally stiff.
+
+    Attributes
+    ----------
+    along : (K, k) float64
+        The directions as columns; the cost of the mean frame changes along the first alone.
+    across : (k, K) float64
+        What takes coefficients to their places along each.
+    times : (k,) float64
+        Variance along each over that of as many independent frames of a true model, at least 1.
+    dof : degrees of freedom of the t that a place along a direction is distributed as
+    rise : share by which frames without spikes take longer than the optimum says
+    """
+
+    along: FloatArray
+    across: FloatArray
+    times: FloatArray
+    dof: float
+    rise: float
+
+
+def dependence(frames: Frames) -> Dependence:
+    """Return what frames tell, if they err alike for a while.
+
+    Student's t has its optimum at the core of the frames.  What a frame takes on average is more
+    where the machine is slow for a while, hence `rise`; spikes are left out of it, since the
+    simulator draws them apart.
+    """
+    slopes, mean, series = frames.slopes, frames.mean, frames.series
+    z = (frames.time_ms - mean) / frames.scale
+    pull, stiffness = _pulls(z, frames.dof)
+    columns = (slopes / frames.scale).T
+    along, across = _directions(columns, stiffness, slopes.mean(axis=1))
+    scores: FloatArray = (columns * pull[:, np.newaxis]) @ along
+    away, rise = frames.time_ms - mean, 0.0
+    if frames.dof is not None:
+        away = _without_spikes(away, mean, series)
+        rise = float(away.mean() / mean.mean())
+    # Errors as they are, and over the frame's time: a model's are of any size in any frame, a slow
+    # machine's are in proportion, and their order drowns in that of long frames.  The worst counts.
+    size = 1.0 / float(slopes.mean(axis=1) @ along[:, 0])
+    seen = (
+        away,
+        _unexplained(away, slopes.T, series),
+        _unexplained(away / mean, (slopes / mean).T, series) * mean.mean(),
+    )
+    times, dof = max(_over_logs(size * one, series) for one in seen)
+    others = [_over_logs(column, series, dof)[0] for column in scores.T[1:]]
+    return Dependence(along, across, np.maximum([times, *others], 1.0), dof, rise)
+
+
+def _pulls(z: FloatArray, dof: float | None) -> tuple[FloatArray, float]:
+    """Return slopes of the log density at scaled residuals, and the mean of their own slopes."""
+    if dof is None:
+        return z, 1.0
+    pull = (dof + 1.0) * z / (dof + z**2)
+    curvature: FloatArray = (dof + 1.0) * (dof - z**2) / (dof + z**2) ** 2
+    return pull, max(float(curvature.mean()), _LEAST_STIFF)
+
+
+def _directions(
+    columns: FloatArray, stiffness: float, mean_frame: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return directions of equal curvature, (K, k), and their inverse, (k, K)."""
+    values, vectors = np.linalg.eigh(stiffness * columns.T @ columns / len(columns))
     good = values > _LEAST * values.max()
-    scores = (columns * pull).T @ vectors[:, good] / np.sqrt(values[good])
-    variance = 0.0
-    for log in np.unique(sample.series):
-        part = scores[sample.series == log]
-        variance += len(part) / len(z) * _long_run_variance(part)
-    return min(1.0, 1.0 / variance)
+    root = np.sqrt(values[good])
+    along: FloatArray = vectors[:, good] / root
+    turned, _ = np.linalg.qr(np.column_stack([mean_frame @ along, np.eye(len(root))]))
+    return along @ turned, turned.T @ (vectors[:, good] * root).T
 
 
-def _long_run_variance(scores: FloatArray) -> float:
-    """Return the variance of columns of successive scores times their autocorrelation time."""
-    away = scores - scores.mean(axis=0)
-    variance: FloatArray = (away**2).mean(axis=0)
-    neighbours: FloatArray = (away[1:] * away[:-1]).mean(axis=0) / variance
-    if len(scores) < _FEWEST or neighbours.mean() < _STANDS_OUT / np.sqrt(len(scores)):
-        return float(variance.mean())
-    tau: Any = emcee.autocorr.integrated_time(scores, tol=0, has_walkers=False)
-    return float((variance * np.maximum(np.asarray(tau, dtype=np.float64), 1.0)).mean())
+def _without_spikes(away: FloatArray, mean: FloatArray, series: NDArray[np.int64]) -> FloatArray:
+    """Return what frames took beyond their mean, (n,), in place of spikes the rest's average."""
+    away = away.copy()
+    for log in np.unique(series):
+        where = np.flatnonzero(series == log)
+        spiked = are_spikes(away[where] / mean[where])
+        away[where[spiked]] = away[where[~spiked]].mean()
+    return away
+
+
+def _unexplained(errors: FloatArray, columns: FloatArray, series: NDArray[np.int64]) -> FloatArray:
+    """Return errors, (n,), with what columns, (n, K), that change as slowly took of them.
+
+    A fit to frames whose predictors are slow follows the machine's slow states by chance; a fit to
+    the steps between stretches of frames does not.
+    """
+    size = min(_STRETCH, len(errors) // _STRETCHES)
+    if size < 1:
+        return errors
+    whole = len(errors) // size * size
+    steps = np.column_stack([columns, errors])[:whole].reshape(-1, size, columns.shape[1] + 1)
+    steps = steps.mean(axis=1)
+    of_log = series[:whole:size]
+    within = np.flatnonzero(of_log[1:] == of_log[:-1])
+    before, after = steps[within], steps[within + 1]
+    kept = float(before[:, -1] @ after[:, -1] / (before[:, -1] @ before[:, -1] + 1e-300))
+    if kept < _STANDS_OUT / np.sqrt(len(within)):
+        return errors
+    steps = after - kept * before
+    steps -= steps.mean(axis=0)
+    solve: Any = np.linalg.lstsq
+    slopes: FloatArray = solve(steps[:, :-1], steps[:, -1], rcond=1e-9)[0]
+    return errors - columns @ slopes
+
+
+def _over_logs(
+    scores: FloatArray, series: NDArray[np.int64], dof: float | None = None
+) -> tuple[float, float]:
+    """Return the variance of a mean of scores over that of n of mean square 1, and the t's dof."""
+    parts = [scores[series == log] for log in np.unique(series)]
+    errors = [slow_error(part, dof) for part in parts]
+    variance = np.array(
+        [
+            float(part.var()) * error.times * len(part) / len(scores)
+            for part, error in zip(parts, errors, strict=True)
+        ]
+    )
+    # Satterthwaite: a sum of independent parts is as sure as the largest of them, or surer.
+    each = np.array([error.dof for error in errors])
+    total = float(variance.sum())
+    return total, total**2 / float(np.sum(variance**2 / each) + 1e-300)

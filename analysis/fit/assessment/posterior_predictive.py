@@ -6,6 +6,7 @@ import numpy as np
 
 from ....base.arrays import FloatArray
 from ..design import Design
+from ..sampling.between_logs import OCCASION, SCENE
 
 _MOST_ROWS = 20_000
 _MOST_NUMBERS = 4_000_000  # simulated at a time
@@ -54,13 +55,33 @@ class Draws:
 
     def log_density(self, design: Design, time_ms: FloatArray) -> FloatArray:
         """Return the log of the mean density of each measured time, (n,)."""
-        from scipy import stats
         from scipy.special import logsumexp
+
+        density = self.each_log_density(design, time_ms)
+        return np.asarray(logsumexp(density, axis=0) - np.log(len(density)))
+
+    def each_log_density(self, design: Design, time_ms: FloatArray) -> FloatArray:
+        """Return the log density that each sample gives each measured time, (S, n)."""
+        from scipy import stats
 
         mean, scale = self.moments(design)
         dof = np.minimum(self.dof, 1e9)[:, np.newaxis]
         density: FloatArray = stats.t.logpdf((time_ms - mean) / scale, dof) - np.log(scale)
-        return np.asarray(logsumexp(density, axis=0) - np.log(len(density)))
+        return density
+
+    def elsewhere(self, rng: np.random.Generator) -> "Draws":
+        """Return samples each on an occasion and in a scene of its own, where these scatter."""
+        theta = self.theta.copy()
+        for place, name in enumerate(self.names):
+            if name == OCCASION:
+                moved = slice(0, self.names.index("log_scale"))
+            elif name.startswith(SCENE):
+                moved = slice(at := self.names.index(name.removeprefix(SCENE)), at + 1)
+            else:
+                continue
+            factor: FloatArray = np.exp(theta[:, place] * rng.standard_normal(len(theta)))
+            theta[:, moved] *= factor[:, np.newaxis]
+        return Draws(self.names, theta, self.reference_ms)
 
     def fitting(self, rows: int) -> "Draws":
         """Return as many samples, evenly spaced, as can be simulated over so many rows at once."""

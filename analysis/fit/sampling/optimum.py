@@ -43,15 +43,21 @@ def starts(design: Design, time_ms: FloatArray, likelihood: Likelihood) -> list[
 
 def highest(posterior: LogPosterior, given: list[FloatArray]) -> FloatArray:
     """Return where a log-posterior is highest, starting from each of the given points, (D,)."""
+    return highest_of(posterior, posterior.likelihood.low, posterior.likelihood.high, given)
+
+
+def highest_of(
+    density: LogDensity, low: FloatArray, high: FloatArray, given: list[FloatArray]
+) -> FloatArray:
+    """Return where a log density is highest within bounds, from each of the given points, (D,)."""
     from scipy.optimize import minimize
 
-    low, high = posterior.likelihood.low, posterior.likelihood.high
     best, best_value = given[0], -np.inf
     for start in given:
         size = np.maximum(np.abs(start), _LEAST * np.abs(start).max())
 
         def loss(point: FloatArray, size: FloatArray = size) -> float:
-            return -float(posterior((point * size)[np.newaxis])[0])
+            return -float(density((point * size)[np.newaxis])[0])
 
         bounds: Any = np.stack([low / size, high / size], axis=1)
         answer: Any = minimize(loss, start / size, method="SLSQP", bounds=bounds)
@@ -102,7 +108,7 @@ def quadratic(posterior: LogPosterior, start: FloatArray) -> LogPosterior:
     for _ in range(_ROUNDS):
         about = expand(whole, center, whole.low, whole.high)
         surrogate = QuadraticLikelihood(whole.names, whole.low, whole.high, about)
-        result = LogPosterior(surrogate, posterior.priors, posterior.worth)
+        result = LogPosterior(surrogate, posterior.priors)
         center = highest(result, [center])
     return result
 

@@ -7,6 +7,7 @@ import numpy as np
 from ....base.arrays import FloatArray
 from .likelihood import Likelihood
 from .priors import Priors
+from .stretch import Stretch
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,14 +16,13 @@ class LogPosterior:
 
     Attributes
     ----------
-    worth : float
-        Share of a frame that a frame counts for, in (0, 1]: less than 1 where successive frames
-        err alike, see `dependence`.
+    stretch : Stretch or None
+        How much wider frames that err alike make it, see `dependence`; None for not at all.
     """
 
     likelihood: Likelihood
     priors: Priors
-    worth: float = 1.0
+    stretch: Stretch | None = None
 
     def __call__(self, theta: FloatArray) -> FloatArray:
         """Return the log density of (W, D) parameters, (W,); -inf outside the bounds."""
@@ -34,7 +34,10 @@ class LogPosterior:
         theta = theta[inside]
         at = likelihood.names.index("log_scale")
         density = priors.log_coefficients(theta[:, :at]) + priors.log_scale(theta[:, at])
-        if likelihood.names[-1] == "inverse_dof":
-            density += priors.log_inverse_dof(theta[:, -1])
-        result[inside] = density + self.worth * likelihood(theta)
+        if "inverse_dof" in likelihood.names:
+            density += priors.log_inverse_dof(theta[:, likelihood.names.index("inverse_dof")])
+        if self.stretch is None:
+            result[inside] = density + likelihood(theta)
+        else:
+            result[inside] = density + self.stretch(likelihood, theta)
         return result

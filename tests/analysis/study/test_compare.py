@@ -4,6 +4,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import msgspec
@@ -17,7 +18,9 @@ from lodbench.analysis.study.comparison import read_comparison
 from lodbench.analysis.study.comparison_folder import write_results
 from lodbench.base.errors import InputError
 from lodbench.base.files.strict_json import encode_record
+from lodbench.models.machine.cost import CostModel, CpuCostModel
 from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.models.machine.scatter import Scatter
 from lodbench.policies.bounds.full import Full
 from lodbench.policies.controllers.feedback import Feedback
 from lodbench.policies.registry import parse_policy, specs_of
@@ -201,6 +204,72 @@ def test_intervals_with_the_machine_are_those_of_the_draws(
     assert wide.with_machine == pytest.approx(
         (wide.value * np.exp(-reach), wide.value * np.exp(reach)), rel=0.05
     )
+
+
+@pytest.mark.slow
+def test_scatter_between_scenes_is_in_the_interval_with_the_machine(
+    world: Any, machine: HardwareProfile
+) -> None:
+    """Triangles cost 25 % more or less in another scene, and the scene is nothing but triangles.
+
+    The mean work then is a factor exp(±1.64 · 0.25) away in 90 of 100 scenes.  Eight draws know
+    their deviation only so well: Student's t reaches 2.0 of theirs.  What paths say stays.
+    """
+    bound = replace(
+        machine, gpu=CostModel.of(0.05, {"triangles": 1e-4}), cpu=CpuCostModel.of(0.05, {})
+    )
+    settings, paths = replace(SHORT, draws=8), world.short_paths(3)
+    scattered = replace(bound, scatter=Scatter(0.0, {"triangles": 0.25}))
+    wide, narrow = (
+        world.compare("full", settings=settings, machine=each, paths=paths).comparison
+        for each in (scattered, bound)
+    )
+    assert (wide.sampling.draws, narrow.sampling.draws) == (8, 0)
+    held, plain = (c.policies[0].metrics["work_ms_mean"] for c in (wide, narrow))
+    assert (held.value, held.such_paths) == (plain.value, plain.such_paths)
+    assert plain.with_machine is None
+    assert held.with_machine is not None
+    assert held.value is not None
+    assert held.such_paths is not None
+    factors = [scattered.truth(draw)[0].unit_ms("triangles") / 1e-4 for draw in range(8)]
+    reach = stats.t.ppf(0.95, 7) * np.log(factors).std(ddof=1) * np.sqrt(9 / 8)
+    for end, path_end in zip(held.with_machine, held.such_paths, strict=True):
+        both, of_paths = (abs(np.log(at / held.value)) for at in (end, path_end))
+        assert both > 1.64 * 0.25
+        assert both == pytest.approx(np.hypot(reach, of_paths), rel=0.05)
+
+
+@pytest.mark.slow
+def test_who_steers_keeps_the_budget_on_other_machines_too(
+    world: Any, machine: HardwareProfile
+) -> None:
+    """Full detail takes 1 and 12 ms of a budget of 14: a scene dearer by a tenth is too dear.
+
+    With a log-sd of .25 that are 38 of 100 scenes.  Feedback draws by what it measures: once it has
+    settled, it keeps the budget in all.
+    """
+    settled = [
+        replace(world.trace.stretch(1.1 + 0.02 * at, 2.1 + 0.02 * at), name=f"stand {at}")
+        for at in range(3)
+    ]
+    scattered = replace(machine, scatter=Scatter(0.0, {"triangles": 0.25}))
+    comparison = world.compare(
+        "full",
+        "feedback:target=0.7",
+        settings=replace(SHORT, draws=16, warmup_s=0.5),
+        machine=scattered,
+        replay=replace(REPLAY, budget_ms=14.0),
+        paths=settled,
+    ).comparison
+    by_label = {policy.label: policy.keeps_budget for policy in comparison.policies}
+    full, steers = by_label["full"], by_label["feedback:target=0.7"]
+    assert full.probability == pytest.approx(1.0, abs=0.05)
+    expected = NormalDist().cdf(float(np.log(13.0 / 12.0)) / 0.25)
+    assert full.with_machine == pytest.approx(expected, abs=0.1)
+    assert steers.with_machine > 0.9
+    leader = next(policy for policy in comparison.policies if policy.rank == 1)
+    said = f"it keeps the budget with probability {leader.keeps_budget.with_machine:.2f}"
+    assert said in comparison.answer[1]
 
 
 def test_fewer_draws_than_asked_are_each_taken_once(

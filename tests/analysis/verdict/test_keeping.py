@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest, t
+from scipy.stats import binomtest, norm, t
 
 from lodbench.analysis.verdict.keeping import (
     exact_bound,
     keeping,
     p_keeps,
+    p_keeps_with_machine,
     predictive_probability,
 )
 
@@ -84,3 +85,41 @@ def test_not_overconfident_in_any_bin(n: int) -> None:
         inside = (said >= low) & (said < high)
         assert inside.sum() > 2000
         assert said[inside].mean() - (fresh[inside] <= 0).mean() < 0.05
+
+
+def test_two_machines_by_hand() -> None:
+    """Draws half and twice as dear shift ln by ∓ ln 2: the mean of the chances at both shifts."""
+    p99_ms = np.array([7.0, 7.5, 6.2])
+    shifted = [p_keeps(p99_ms * factor, 8.0) for factor in (0.5, 2.0)]
+    drawn_ms = np.array([[3.0, 5.0], [12.0, 20.0]])
+    found = p_keeps_with_machine(p99_ms, drawn_ms, 8.0)
+    assert found == pytest.approx(np.mean(shifted), abs=1e-12)
+
+
+def test_machines_all_alike_change_nothing() -> None:
+    """Who takes the same time on every draw keeps the budget as surely as on the one fitted."""
+    p99_ms = np.array([7.0, 7.5, 6.2, 8.1])
+    found = p_keeps_with_machine(p99_ms, np.full((8, 2), 7.3), 8.0)
+    assert found == pytest.approx(p_keeps(p99_ms, 8.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("spread", "machine"), [(0.1, 0.05), (0.1, 0.25), (0.02, 0.25)])
+def test_what_is_said_of_other_machines_is_true_of_them(spread: float, machine: float) -> None:
+    """Over 2,000 worlds of five paths and eight draws, others keep as often as was said.
+
+    A draw's factor, and that of the machine on which a new path is replayed, are of one log-normal
+    distribution; draws are one in each eighth of it, as those of a profile are.
+    """
+    rng = np.random.default_rng(8)
+    said, kept = np.empty(2000), np.empty(2000)
+    for at in range(2000):
+        level = rng.normal(-0.15, 0.2)
+        paths = rng.normal(level, spread, 5)
+        parts = norm.ppf((np.arange(8) + rng.uniform(size=8)) / 8)
+        drawn = np.exp(level + machine * parts[:, None] + rng.normal(0.0, spread, 2))
+        said[at] = p_keeps_with_machine(np.exp(paths), drawn, 1.0)
+        kept[at] = rng.normal(level, spread) + machine * rng.normal() <= 0.0
+    sure = said > 0.8
+    assert said.mean() == pytest.approx(kept.mean(), abs=0.03)
+    assert said[sure].mean() == pytest.approx(kept[sure].mean(), abs=0.04)
+    assert said[~sure].mean() == pytest.approx(kept[~sure].mean(), abs=0.04)

@@ -13,8 +13,9 @@ from lodbench.base.predictors import CHANGE_PREDICTORS, GPU_PREDICTORS, LEVEL_PR
 from lodbench.models.machine import cost_terms
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from lodbench.models.machine.cost_terms.term import LevelChanges
+from lodbench.models.machine.cost_terms.term import LevelChanges, Pass
 from lodbench.models.machine.frame_cost import FrameCost
+from lodbench.models.machine.knee import Knee
 from lodbench.models.machine.picture_units import view_units
 from lodbench.models.scene.levels import LevelTable, count_rows
 
@@ -28,6 +29,11 @@ class Seen(NamedTuple):
     area_px: FloatArray
     covered_px: FloatArray
     inside_share: FloatArray
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """One camera draws all."""
+        return (Pass(np.ones(len(self.area_px), dtype=np.bool_), self),)
 
 
 def seen(area_px: list[float], covered_px: list[float] | None = None) -> Seen:
@@ -172,6 +178,92 @@ def test_a_frame_is_what_is_fixed_and_its_objects(make_levels: MakeLevels) -> No
     assert price.gpu_ms == pytest.approx(costs.fixed_ms(500.0, 2, 4) + objects_ms.sum(), rel=1e-12)
 
 
+def test_a_knee_by_hand(make_levels: MakeLevels) -> None:
+    """Beyond 30 triangles each costs 2 ms more: 43 are 26 ms dearer, 23 none, as are none more."""
+    linear = {"triangles": 1.0, "shaded_samples": 0.125}
+    plain = FrameCost(CostModel.of(2.0, linear), make_levels([(40, 20), (9, 3)]))
+    kneed = CostModel.of(2.0, linear, knees=[Knee("triangles", 30.0, 2.0)])
+    costs = FrameCost(kneed, make_levels([(40, 20), (9, 3)]))
+    for row, extra in (([1, 3, 1], 26.0), ([1, 3], 0.0), ([0], 20.0), ([1], 0.0)):
+        view = seen([8.0] * len(row))
+        before, after = (c.frame(np.array(row), view, 800.0) for c in (plain, costs))
+        assert after.gpu_ms == before.gpu_ms + extra
+        # What objects cost one by one is without the knee, which is of all of them together.
+        each_ms = costs.objects_ms(np.array(row), view)
+        assert each_ms.tolist() == plain.objects_ms(np.array(row), view).tolist()
+    assert plain.level_by_level
+    assert costs.linear_in_detail
+    assert not costs.level_by_level
+
+
+def test_a_knee_of_what_the_view_and_the_frame_count(make_levels: MakeLevels) -> None:
+    """Samples of a term that costs nothing by itself are counted for a knee, as uploads are.
+
+    40 covered pixels on 1e9 triangles reach 40; 100 bytes are 60 beyond 40, at 0.5 ms each.
+    """
+    model = CostModel.of(
+        0.0, {}, knees=[Knee("rasterized_triangles", 15.0, 1.0), Knee("bytes_uploaded", 40.0, 0.5)]
+    )
+    costs = FrameCost(model, make_levels([(1e9,)]))
+    row, view = np.array([0]), seen([50.0], [40.0])
+    assert costs.frame(row, view, 800.0).gpu_ms == pytest.approx(25.0)
+    uploaded = costs.frame(row, view, 800.0, changes=LevelChanges(0, 0, 100.0))
+    assert uploaded.gpu_ms == pytest.approx(25.0 + 30.0)
+
+
+def test_the_price_of_a_frame_is_the_sum_of_its_parts(make_levels: MakeLevels) -> None:
+    """Base, each term, each object's roofline and each knee, added up one by one in plain Python.
+
+    Of twenty frames of every predictor, with fractions, new levels and pictures of other sizes.
+    """
+    rng = np.random.default_rng(4)
+    unit_ms = dict(zip(GPU_PREDICTORS, rng.uniform(0.1, 1.0, len(GPU_PREDICTORS)), strict=True))
+    roofline = {"triangles": 0.2, "vertices": 0.1, "shaded_samples": 0.5}
+    counts = [(90, 40, 10), (70, 20), (300, 30)]
+    levels = make_levels(counts, continuous=True)
+    for _ in range(20):
+        knees = [
+            Knee(name, float(rng.uniform(0.0, 400.0)), float(rng.uniform(0.0, 2.0)))
+            for name in rng.choice(GPU_PREDICTORS, 4, replace=False).tolist()
+        ]
+        costs = FrameCost(CostModel.of(3.0, unit_ms, roofline, knees), levels)
+        row, fraction = np.array([0, 1, 3, 5, 0]), rng.uniform(0.0, 1.0, 5)
+        area = rng.uniform(10.0, 200.0, 5)
+        view, share = Seen(area, 0.4 * area, rng.uniform(0.1, 1.0, 5)), float(rng.uniform(0.2, 1.0))
+        changes = LevelChanges(int(rng.integers(9)), 2, float(rng.uniform(0.0, 500.0)))
+        price = costs.frame(
+            row, view, 1000.0, fraction=fraction, pixel_share=share, changes=changes
+        )
+        total = dict.fromkeys(GPU_PREDICTORS, 0.0)
+        roofline_ms = 0.0
+        for at, part, px, covered, inside in zip(
+            row.tolist(), fraction.tolist(), area.tolist(), view.covered_px.tolist(),
+            view.inside_share.tolist(), strict=True,
+        ):  # fmt: skip
+            near, far = levels.counts[at], levels.counts[min(at + 1, len(levels.counts) - 1)]
+            of = dict(zip(LEVEL_PREDICTORS, (1.0 - part) * near + part * far, strict=True))
+            for name, units in of.items():
+                total[name] += units
+            shown = of["triangles"] * inside
+            total["shaded_samples"] += share * px
+            total["rasterized_triangles"] += shown * -math.expm1(-share * covered / shown)
+            total["reformed_objects"] += 1.0
+            total["reformed_triangles"] += of["triangles"]
+            total["untextured_triangles"] += of["triangles"] - of["textured_triangles"]
+            geometry_ms = 0.2 * of["triangles"] + 0.1 * of["vertices"]
+            roofline_ms += max(geometry_ms, 0.5 * share * px)
+        total["framebuffer_pixels"] = share * 1000.0
+        total["state_changes"] = 3.0
+        total["reduction_steps"] = math.log2(5)
+        total |= dict(zip(CHANGE_PREDICTORS, changes, strict=True))
+        ms = 3.0 + sum(unit_ms[name] * total[name] for name in GPU_PREDICTORS) + roofline_ms
+        for knee in knees:
+            if total[knee.predictor] > knee.at:
+                ms += knee.ms * (total[knee.predictor] - knee.at)
+        assert costs.counts(price) == pytest.approx(total, rel=1e-12)
+        assert price.gpu_ms == pytest.approx(ms, rel=1e-12)
+
+
 def test_rasterized_triangles_by_simulation() -> None:
     """Samples thrown at triangles at random reach as many of them as the formula says."""
     rng = np.random.default_rng(1)
@@ -187,6 +279,17 @@ def test_rasterized_triangles_have_their_limits() -> None:
     covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
     units = RASTERIZED.count([triangles], Seen(covered, covered, inside))
     assert units == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
+
+
+def test_triangles_in_view_are_those_of_what_is_inside(make_levels: MakeLevels) -> None:
+    """Of 100 triangles all, a quarter and none are let through: 125 in all, at 2 ms each."""
+    levels, row = make_levels([(100, 40)]), np.array([0, 0, 0])
+    view = Seen(np.full(3, 50.0), np.full(3, 20.0), np.array([1.0, 0.25, 0.0]))
+    costs = FrameCost(CostModel.of(0.0, {"triangles_in_view": 2.0}), levels)
+    assert costs.objects_ms(row, view).tolist() == [200.0, 50.0, 0.0]
+    price = costs.frame(row, view, 1e6, pixel_share=0.25)  # a smaller picture has as many
+    assert price.gpu_ms == 250.0
+    assert costs.counts(price)["triangles_in_view"] == 125.0
 
 
 def test_textured_triangles_may_be_the_cheaper_ones() -> None:

@@ -76,9 +76,9 @@ def test_a_draw_replaces_coefficients_and_scale(make_hardware: MakeHardware) -> 
 def test_draws_that_do_not_exist_are_refused(make_hardware: MakeHardware, draw: int) -> None:
     """A profile of two draws has no third, and one that was not fitted has none."""
     posterior = Posterior(np.ones(2), np.ones((2, P)), np.ones(2))
-    with pytest.raises(InputError, match=f"has 2 posterior draws, got {draw}"):
+    with pytest.raises(InputError, match=f"has 2 draws, got {draw}"):
         replace(make_hardware(), posterior=posterior).truth(draw)
-    with pytest.raises(InputError, match="has 0 posterior draws, got 0"):
+    with pytest.raises(InputError, match="has 0 draws, got 0"):
         make_hardware().truth(0)
 
 

@@ -1,9 +1,10 @@
 """Hardware profiles as TOML: what is read, what is refused, and that nothing is lost."""
 
 import dataclasses
+import re
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,9 +15,12 @@ from lodbench.base.errors import InputError
 from lodbench.base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
 from lodbench.models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
+from lodbench.models.machine.identification import Identification
+from lodbench.models.machine.knee import Knee
 from lodbench.models.machine.profile_file import parse_profile, read_profile
 from lodbench.models.machine.profile_writer import profile_toml, write_profile
 from lodbench.models.machine.residual import Residual
+from lodbench.models.machine.scatter import SCATTERED, Scatter
 
 MINIMAL = """\
 schema = "lodbench.hardware/1"
@@ -63,6 +67,26 @@ residuals = st.builds(
     dof=st.floats(0.1, 1e3),
     floor=st.floats(0.0, 1.0),
     correlation=st.floats(0.0, 0.99),
+    slow_scale=st.just(0.0) | st.floats(0.0, 1.0),
+    slow_time_s=st.just(1.0) | st.floats(0.01, 1e6),
+    spike_share=st.just(0.0) | st.floats(0.0, 1.0),
+    spike_scale=st.just(0.0) | st.floats(0.0, 1e3),
+)
+scatters = st.just(Scatter()) | st.builds(
+    Scatter,
+    st.floats(0.0, 3.0),
+    st.dictionaries(st.sampled_from(SCATTERED), st.floats(0.0, 3.0), max_size=4),
+    assumed=st.booleans(),
+)
+identifications = st.none() | st.builds(
+    Identification,
+    st.floats(1.0),
+    st.dictionaries(st.text(max_size=20), st.floats(allow_nan=False, allow_infinity=False)),
+)
+knees = st.lists(
+    st.builds(Knee, st.sampled_from(GPU_PREDICTORS), st.floats(0.0, 1e12), amounts),
+    max_size=3,
+    unique_by=lambda knee: knee.name,
 )
 displays = st.builds(
     Display,
@@ -76,13 +100,23 @@ displays = st.builds(
 
 
 @st.composite
-def posteriors(draw: st.DrawFn) -> Posterior:
+def posteriors(draw: st.DrawFn, knee_count: int) -> Posterior:
     """One to four draws."""
     count = draw(st.integers(1, 4))
     rows = [draw(coefficients(len(GPU_PREDICTORS))) for _ in range(count)]
     scale = draw(st.lists(st.floats(0.0, 1.0), min_size=count, max_size=count))
     base = draw(st.lists(amounts, min_size=count, max_size=count))
-    return Posterior(np.array(base), np.array(rows), np.array(scale))
+    knee = [[draw(st.floats(1e-9, 1.0)) for _ in range(knee_count)] for _ in range(count)]
+    knee_ms = np.array(knee) if knee_count and draw(st.booleans()) else None
+    return Posterior(np.array(base), np.array(rows), np.array(scale), knee_ms=knee_ms)
+
+
+@st.composite
+def with_draws(draw: st.DrawFn, plain: st.SearchStrategy[HardwareProfile]) -> HardwareProfile:
+    """Draw a profile, and perhaps draws of its coefficients, of its knees among them."""
+    profile = draw(plain)
+    drawn = draw(st.none() | posteriors(len(profile.gpu.knees)))
+    return dataclasses.replace(profile, posterior=drawn)
 
 
 profiles = st.builds(
@@ -98,17 +132,22 @@ profiles = st.builds(
         measured_on=st.lists(st.text(), max_size=3).map(tuple),
     ),
     gpu=st.builds(
-        CostModel, amounts, coefficients(len(GPU_PREDICTORS)), coefficients(len(GPU_PREDICTORS))
+        CostModel,
+        amounts,
+        coefficients(len(GPU_PREDICTORS)),
+        coefficients(len(GPU_PREDICTORS)),
+        knees.map(tuple),
     ),
     cpu=st.builds(CpuCostModel, amounts, coefficients(len(CPU_PREDICTORS))),
     gpu_residual=residuals,
     cpu_residual=residuals,
-    posterior=st.none() | posteriors(),
     display=displays,
     frames_in_flight=st.integers(1, 4),
     memory_bytes=st.floats(1.0, 1e15),
     disk_bytes_per_s=st.floats(1.0, 1e12),
     disk_latency_ms=st.floats(0.0, 1e6),
+    scatter=scatters,
+    identification=identifications,
 )
 
 
@@ -116,10 +155,12 @@ def flat(record: Any) -> Any:
     """Show records as dicts and arrays as lists, so that == compares every bit of every field."""
     if dataclasses.is_dataclass(record):
         return {item.name: flat(getattr(record, item.name)) for item in dataclasses.fields(record)}
+    if isinstance(record, tuple):
+        return list(map(flat, cast("tuple[Any, ...]", record)))
     return record.tolist() if isinstance(record, np.ndarray) else record
 
 
-@given(profiles)
+@given(with_draws(profiles))
 def test_a_profile_read_back_is_the_profile_written(profile: HardwareProfile):
     """Nothing is rounded, renamed or lost on the way through the text."""
     text = profile_toml(profile)
@@ -288,5 +329,104 @@ def test_the_documented_example_is_a_profile():
     assert profile.name == "my-machine"
     assert profile.gpu.has_roofline
     assert profile.gpu_residual.correlation == 0.9
+    assert profile.gpu_residual.slow_time_s == 8.0
+    assert profile.gpu.knees == (Knee("triangles", 158000.0, 4e-6),)
+    assert profile.scatter == Scatter(0.09, {"triangles": 0.25}, assumed=True)
+    assert profile.identification is not None
     assert profile.posterior is not None
     assert len(profile.posterior) == 2
+
+
+NEWER = """
+[[gpu.knee]]
+predictor = "triangles"
+at = 158000.0
+value = 100.0
+unit = "ns"
+
+[gpu.residual]
+kind = "gaussian"
+scale = 0.05
+slow_scale = 0.04
+slow_time_s = 3.0
+spike_share = 0.002
+spike_scale = 0.5
+
+[gpu.scatter]
+occasion = 0.09
+assumed = true
+
+[gpu.scatter.scenes]
+triangles = 0.25
+
+[gpu.posterior]
+terms = ["base", "triangles", "knee(triangles,158000)"]
+unit = "ms"
+draws = [[0.5, 1e-4, 2e-4], [0.5, 1e-4, 3e-4]]
+scale = [0.05, 0.06]
+
+[identification]
+condition = 12.0
+
+[identification.variance_share]
+triangles = 0.8
+"knee(triangles,158000)" = 0.2
+"""
+
+
+def test_knees_scatter_slow_states_and_spikes_are_read():
+    """100 ns a triangle beyond 158,000 are 1e-4 ms, and a draw has its own price of it."""
+    profile = parse_profile(MINIMAL + NEWER)
+    assert profile.gpu.knees == (Knee("triangles", 158000.0, 1e-4),)
+    assert profile.gpu_residual == Residual(
+        "gaussian", 0.05, slow_scale=0.04, slow_time_s=3.0, spike_share=0.002, spike_scale=0.5
+    )
+    assert profile.scatter == Scatter(0.09, {"triangles": 0.25}, assumed=True)
+    assert profile.identification == Identification(
+        12.0, {"triangles": 0.8, "knee(triangles,158000)": 0.2}
+    )
+    assert profile.posterior is not None
+    assert profile.posterior.knee_ms is not None
+    assert profile.posterior.knee_ms.tolist() == [[2e-4], [3e-4]]
+
+
+def test_what_is_newer_is_not_written_where_it_says_nothing():
+    """A profile without knees, scatter, slow state and spikes is written as it was before them."""
+    written = tomllib.loads(profile_toml(parse_profile(MINIMAL)))
+    assert set(written) == set(tomllib.loads(MINIMAL)) | {"frames_in_flight"}
+    assert set(written["gpu"]) == {"base", "linear", "residual"}
+    assert set(written["gpu"]["residual"]) == {"kind", "scale", "dof", "floor", "correlation"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('predictor = "triangles"', 'predictor = "trinagles"', "expected a predictor among"),
+        ("at = 158000.0", "at = -1.0", "knee at: expected a finite number >= 0, got -1.0"),
+        ("at = 158000.0", "", "expected the key at, found none"),
+        ("value = 100.0", "value = inf", "expected a finite number >= 0, got inf"),
+        ("[[gpu.knee]]", "[gpu.knee]", "gpu.knee: expected tables, each"),
+        ("slow_scale = 0.04", "slow_scale = 4.0", "slow_scale from 0.0 to 1.0, got 4.0"),
+        ("slow_time_s = 3.0", "slow_time_s = 0.0", "slow_time_s from 0.01 to"),
+        ("spike_share = 0.002", "spike_share = 2.0", "spike_share from 0.0 to 1.0, got 2.0"),
+        ("spike_scale = 0.5", "spike_scale = nan", "spike_scale from 0.0 to 1000.0, got nan"),
+        ("occasion = 0.09", "occasion = 9", "scatter occasion: expected a log-sd from 0 to 3"),
+        ("triangles = 0.25", "trinagles = 0.25", "scatter: expected terms among base"),
+        ("triangles = 0.25", "triangles = -1.0", "scatter triangles: expected a log-sd"),
+        ("condition = 12.0", "condition = 0.5", "expected condition >= 1, got 0.5"),
+        ("triangles = 0.8", "triangles = nan", "identification triangles: expected a finite"),
+        ("knee(triangles,158000)", "knee(triangles,9)", "knee"),
+    ],
+)
+def test_broken_knees_scatter_and_states_are_refused(old: str, new: str, says: str):
+    """Each mistake in what is newer is told, most of them with their line."""
+    assert old in NEWER
+    with pytest.raises(InputError, match=re.escape(says)):
+        parse_profile(MINIMAL + NEWER.replace(old, new, 1))
+
+
+def test_knees_are_each_given_once():
+    """Two knees of one predictor at one place would be one knee whose price nobody can tell."""
+    knee = NEWER.split("[gpu.residual]", maxsplit=1)[0]
+    with pytest.raises(InputError, match="knees: expected each once"):
+        parse_profile(MINIMAL + knee + knee)

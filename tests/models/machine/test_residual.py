@@ -69,3 +69,15 @@ def test_impossible_residuals_are_refused(wrong: dict[str, float]):
     """A negative scale, no degrees of freedom and a floor above the mean are errors."""
     with pytest.raises(InputError, match="expected scale >= 0, dof > 0 and floor in"):
         Residual("student-t", **wrong)  # pyright: ignore[reportArgumentType]  # broken on purpose
+
+
+def test_spikes_hit_their_share_and_only_prolong():
+    """Of 200,000 frames 2 % are hit, none is shortened, and those hit take 1.4 times as long."""
+    residual = Residual(spike_share=0.02, spike_scale=0.4)
+    factors = residual.spikes(np.random.default_rng(6), 200_000)
+    hit = factors > 1.0
+    assert factors.min() == 1.0
+    assert hit.mean() == pytest.approx(0.02, rel=0.05)
+    assert factors[hit].mean() == pytest.approx(1.4, rel=0.02)
+    assert np.quantile(factors[hit], 0.9) == pytest.approx(1.0 + 0.4 * np.log(10.0), rel=0.05)
+    assert (Residual(spike_scale=0.4).spikes(np.random.default_rng(6), 1000) == 1.0).all()

@@ -19,7 +19,9 @@ from lodbench.models.scene.scene import Scene
 from lodbench.models.scenes.plaza import build_plaza
 from lodbench.render.gl.context import Target, open_target
 from lodbench.render.gl.draw_list import Picture
+from lodbench.render.gl.opengl_machine import GlMachine
 from lodbench.render.gl.renderer import Renderer
+from lodbench.sim.simulated_machine import FrameTimes, Submitted
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 SKY = (199, 217, 235)
@@ -114,13 +116,36 @@ class Drawing:
         size = more.get("size_px", (camera.width_px, camera.height_px))
         distance_m = np.linalg.norm(gap, axis=1)
         time_s = more.get("time_s", 0.0)
-        return Picture(camera, centers_m, ids, row.astype(np.int64), distance_m, time_s, size)
+        mixed, upload_bytes = more.get("mixed", False), more.get("upload_bytes", 0)
+        place = (centers_m, ids, row.astype(np.int64), distance_m)
+        return Picture(camera, *place, time_s, size, mixed, upload_bytes)
 
     def pixels(
         self, camera: Camera | None = None, *, instancing: bool = False, **more: Any
     ) -> NDArray[np.uint8]:
         """Draw that picture and return its pixels."""
         return self.renderer(instancing=instancing).picture(self.picture(camera, **more))
+
+
+class Stepping:
+    """A machine from whose frames the trace goes on by a step, whatever they took."""
+
+    def __init__(self, measuring: GlMachine, step_ms: float) -> None:
+        self.measuring, self.step_ms = measuring, step_ms
+
+    def begin(self) -> None:
+        """Begin a frame."""
+
+    def run(self, frame: Submitted) -> FrameTimes:
+        """Measure the frame."""
+        self.measuring.run(frame)
+        return FrameTimes(0.0, 0.0, self.step_ms)
+
+
+@pytest.fixture(scope="session")
+def stepping() -> type[Stepping]:
+    """Return `Stepping`."""
+    return Stepping
 
 
 @pytest.fixture(scope="session")

@@ -38,7 +38,25 @@ def test_counts_by_hand(drawing: Any, cube: Any, quad: Any, instancing: bool, ca
         state_changes=2,
         framebuffer_pixels=32 * 48,
         instance_bytes=uploaded,
+        bytes_uploaded=0,
     )
+
+
+@pytest.mark.parametrize("instancing", [False, True])
+def test_mixed_objects_change_state_as_often_as_they_are_drawn(
+    drawing: Any, cube: Any, quad: Any, covered: Any, instancing: bool
+) -> None:
+    """Sorted, four cubes and four squares change it twice; in the order 0 5 2 7 4 1 6 3, always."""
+    made = drawing(
+        [(2.0 * x, 0.0, -20.0) for x in range(-4, 4)], [[cube()], [quad()]], kind=[0, 1] * 4
+    )
+    renderer = made.renderer(instancing=instancing)
+    by_type, mixed = (made.picture(mixed=mixed, upload_bytes=7) for mixed in (False, True))
+    counts = [renderer.count(renderer.prepare(picture)) for picture in (by_type, mixed)]
+    assert [count.state_changes for count in counts] == [2, 8]
+    assert [count.draw_calls for count in counts] == [2 if instancing else 8, 8]
+    assert [count.bytes_uploaded for count in counts] == [7, 7]
+    assert (renderer.picture(by_type) == renderer.picture(mixed)).all()
 
 
 def test_samples_of_a_cube(drawing: Any, cube: Any, covered: Any) -> None:
@@ -63,16 +81,17 @@ def test_samples_of_a_square_are_its_pixels(drawing: Any, quad: Any, covered: An
 
 @pytest.mark.parametrize("instancing", [False, True])
 def test_renderer_and_simulator_count_alike(
-    target: Any, plaza: Any, tour: Any, llvmpipe: Any, instancing: bool
+    target: Any, plaza: Any, tour: Any, llvmpipe: Any, stepping: Any, instancing: bool
 ) -> None:
     """In every frame of a replay; instanced, fewer calls draw the same triangles."""
     scene, geometry = plaza
     hardware = recorded_hardware(llvmpipe, (160, 90))
     renderer = Renderer(target, scene, geometry, instancing=instancing)
-    machine = GlMachine(renderer, target.device, repeats=1, warmup=1, step_ms=4_000.0)
+    measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
+    machine = stepping(measuring, 4_000.0)
     policy = parse_policy("static-screen").make()
     options = ReplayOptions(budget_ms=10.0, frames=4)
-    found = record(policy, scene, tour, hardware, options, machine, machine, name="by size")
+    found = record(policy, scene, tour, hardware, options, machine, measuring, name="by size")
     log, columns = found.frames, found.columns
     assert log["drawn"].min() > 20
     for name in ("vertices", "triangles", "skinned_vertices", "textured_triangles"):

@@ -30,6 +30,7 @@ from lodbench.render.gl.opengl_machine import GlMachine
 from lodbench.render.gl.recorder import record, recorded_hardware
 from lodbench.render.gl.renderer import Renderer
 from lodbench.sim.replay import ReplayOptions
+from lodbench.sim.simulated_machine import FrameTimes, Submitted
 
 STILL_MS, MOVING_MS = 1e-6, 40.0
 
@@ -51,6 +52,22 @@ class Levels:
         return Selection(view.ids, np.full(len(view), level))
 
 
+class Stepped:
+    """A machine on whose clock every frame takes the same time."""
+
+    def __init__(self, machine: PictureMachine, step_ms: float) -> None:
+        self._machine, self._step_ms = machine, step_ms
+
+    def begin(self) -> None:
+        """Begin a frame."""
+        self._machine.begin()
+
+    def run(self, frame: Submitted) -> FrameTimes:
+        """Draw the frame."""
+        self._machine.run(frame)
+        return FrameTimes(0.0, 0.0, self._step_ms)
+
+
 @pytest.fixture(scope="module")
 def large() -> tuple[Scene, Geometry]:
     """Return a scene of few large triangles, four levels a type."""
@@ -66,11 +83,12 @@ def steps(target: Any, large: Any, llvmpipe: Any, tmp_path: Path) -> Any:
     hardware = recorded_hardware(llvmpipe, (160, 90))
 
     def find(by_frame: Sequence[int], step_ms: float, every: int = 1) -> list[PictureStep | None]:
-        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1, step_ms=step_ms)
+        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
         machine = PictureMachine(measuring, renderer, PictureFolder(tmp_path, every))
         options = ReplayOptions(budget_ms=4.0, frames=len(by_frame))
         path = tour.stretch(20.0, 22.0)
-        record(Levels(by_frame), scene, path, hardware, options, machine, measuring, name="levels")
+        stepped = Stepped(machine, step_ms)
+        record(Levels(by_frame), scene, path, hardware, options, stepped, measuring, name="levels")
         return [picture.step for picture in machine.compared]
 
     return find

@@ -23,11 +23,13 @@ from lodbench.render.gl.renderer import Renderer, Timing
 from lodbench.sim.replay import ReplayOptions
 
 CARD = Device("A card", "1.0", software=False)
-COUNTS = Counts(1, 2, 3, 4, 5, 6, 7, 8)
+COUNTS = Counts(1, 2, 3, 4, 5, 6, 7, 8, 0)
 
 
 class Scripted:
     """In place of a renderer: draws nothing, and takes times as told."""
+
+    statistics: tuple[str, ...] = ("vertex_shader_invocations",)
 
     def __init__(self, frame_ms: Iterator[float], gpu_share: float = 0.9) -> None:
         self.frame_ms, self.gpu_share = frame_ms, gpu_share
@@ -42,11 +44,12 @@ class Scripted:
         """Return the same counts."""
         return COUNTS
 
-    def draw(self, frame: Any) -> Timing:
-        """Return the next time, of which a tenth is the CPU's."""
+    def draw(self, frame: Any, *, counting: bool = False) -> Timing:
+        """Return the next time, of which a tenth is the CPU's, and count the drawing."""
         self.drawn += 1
         took = next(self.frame_ms)
-        return Timing(0.1 * took, self.gpu_share * took, took, 9)
+        counted = (100 + self.drawn,) if counting else ()
+        return Timing(0.1 * took, self.gpu_share * took, took, 9, counted)
 
 
 class Listener:
@@ -109,7 +112,8 @@ def test_median_and_extremes_of_repeats(recording: Any) -> None:
     assert columns["gpu_ms"] == pytest.approx([4.5, 5.85])
     assert columns["cpu_ms"] == pytest.approx([0.5, 0.65])
     assert columns["shaded_samples"].tolist() == [9.0, 9.0]
-    assert [columns[name][0] for name in Counts.__dataclass_fields__] == [1, 2, 3, 4, 5, 6, 7, 8]
+    assert [columns[name][0] for name in Counts.__dataclass_fields__] == [1, 2, 3, 4, 5, 6, 7, 8, 0]
+    assert columns["vertex_shader_invocations"].tolist() == [103, 106]  # the first of each three
     assert machine.doubt is None
     assert found.frames["gpu_ms"].tolist() == [5.0, 6.5]
 
@@ -125,12 +129,26 @@ def test_a_policy_hears_what_was_measured(recording: Any) -> None:
     assert (found.columns["policy_ms"] > 0.0).all()
 
 
-def test_even_steps(recording: Any) -> None:
-    """With a step of its own, the trace goes on by it, whatever a frame took."""
-    times = iter([9.0, 3.0, 4.0, 5.0])
-    found, _ = recording(Full(), Scripted(times), 3, repeats=1, warmup=1, step_ms=20.0)
-    assert found.columns["trace_s"] == pytest.approx([0.0, 0.02, 0.04])
-    assert found.columns["frame_ms"].tolist() == [3.0, 4.0, 5.0]
+class Reference:
+    """In place of a reference: takes 1, 2, 3 ms and so on, and notes what was drawn before it."""
+
+    def __init__(self, renderer: Scripted) -> None:
+        self.renderer, self.drawn_before = renderer, list[int]()
+
+    def take_ms(self) -> float:
+        """Return the next whole number."""
+        self.drawn_before.append(self.renderer.drawn)
+        return float(len(self.drawn_before))
+
+
+def test_a_reference_before_and_after_the_drawings_of_a_frame(recording: Any) -> None:
+    """Two frames of three drawings after one to warm up: at 1 and 4 drawings, at 4 and 7."""
+    renderer = Scripted(iter([5.0] * 7))
+    reference = Reference(renderer)
+    found, _ = recording(Full(), renderer, 2, repeats=3, warmup=1, reference=reference)
+    assert reference.drawn_before == [1, 4, 4, 7]
+    assert found.columns["reference_before_ms"].tolist() == [1.0, 3.0]
+    assert found.columns["reference_after_ms"].tolist() == [2.0, 4.0]
 
 
 def test_render_scale_makes_a_smaller_framebuffer(recording: Any) -> None:
@@ -153,7 +171,8 @@ def test_a_counter_that_runs_over_later(recording: Any) -> None:
     """Of a frame whose query reports more than the frame took, the GPU time is not known."""
     renderer = Scripted(iter([5.0] * 9))
     times = iter([4.0, 4.0, 4294.0])
-    renderer.draw = lambda frame: Timing(0.5, next(times), 5.0, 9)  # type: ignore[method-assign]
+    renderer.statistics = ()
+    renderer.draw = lambda *_, **__: Timing(0.5, next(times), 5.0, 9)  # type: ignore[method-assign]
     found, _ = recording(Full(), renderer, 2, repeats=1, warmup=1)
     assert found.columns["gpu_ms"][0] == 4.0
     assert np.isnan(found.columns["gpu_ms"][1])
@@ -218,7 +237,7 @@ def test_full_detail_is_the_full_picture(
     hardware = recorded_hardware(llvmpipe, (160, 90))
     options = ReplayOptions(budget_ms=4.0, frames=3)
     for policy, same in (("full", True), ("static-distance", False)):
-        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1, step_ms=1_000.0)
+        measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
         machine = PictureMachine(measuring, renderer, PictureFolder(tmp_path, 2))
         made = parse_policy(policy).make()
         record(made, scene, tour, hardware, options, machine, measuring, name=policy)

@@ -17,6 +17,17 @@ def test_vsync_is_found_through_jitter(rate: float, jitter: float):
     assert capped_at_hz(np.diff(moments)) == pytest.approx(rate, rel=2e-3)
 
 
+@pytest.mark.parametrize("middle_ms", [0.01, 0.03, 0.2])
+def test_a_gpu_that_is_nearly_idle_has_no_cap(middle_ms: float):
+    """Times of hundredths of a millisecond, in ticks of 1.024 µs, some of them twice as long.
+
+    Each is a hundredth of a refresh or less, so that none is at a whole number of them.
+    """
+    rng = np.random.default_rng(3)
+    time_ms = middle_ms * rng.choice([1, 2], 1_000, p=[0.9, 0.1]) * rng.normal(1.0, 0.002, 1_000)
+    assert capped_at_hz(1.024e-3 * np.rint(time_ms / 1.024e-3)) is None
+
+
 def test_a_renderer_that_follows_its_load_near_a_refresh_is_honest():
     """Within 3 % of 60 Hz, but explained by triangles: none of 30 logs is refused."""
     refused = 0

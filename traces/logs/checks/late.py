@@ -13,7 +13,7 @@ from ....base.arrays import FloatArray
 from ..render_log import RenderLog, TimeName
 from .caps import explained
 
-MOST_FRAMES = 8
+MOST_FRAMES = 6
 """Frames that a timer is looked for to be late by; swap chains and query pools hold fewer."""
 
 _ENOUGH_FRAMES = 60
@@ -26,14 +26,24 @@ def frames_late(log: RenderLog, name: TimeName) -> tuple[int, float, float]:
 
     0 where nothing says that it is late.
     """
-    time_ms, counts = log.time(name), _varying(log.counts)
-    if len(log) < _ENOUGH_FRAMES or not counts.size:
+    shares = explained_by_lag(log, name)
+    if not shares:
         return 0, 0.0, 0.0
-    shares = [_share(time_ms, counts, lag) for lag in range(MOST_FRAMES + 1)]
     best = int(np.argmax(shares))
     if shares[best] < max(_GOOD, shares[0] + _BETTER):
         return 0, shares[0], shares[0]
     return best, shares[best], shares[0]
+
+
+def explained_by_lag(log: RenderLog, name: TimeName) -> tuple[float, ...]:
+    """Return the variance of a time that counts of so many rows before explain, of 0 to 6 rows.
+
+    Nothing of a log that is too short, counts nothing, or was not drawn in the order of its rows.
+    """
+    time_ms, counts = log.time(name), _varying(log.counts)
+    if len(log) < _ENOUGH_FRAMES or not counts.size or "drawn_at" in log.recorded:
+        return ()
+    return tuple(_share(time_ms, counts, lag) for lag in range(MOST_FRAMES + 1))
 
 
 def _varying(counts: FloatArray) -> FloatArray:

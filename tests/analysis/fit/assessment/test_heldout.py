@@ -1,5 +1,6 @@
 """Held-out errors: which frames are held out, and what is said of them."""
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -7,7 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from lodbench.analysis.fit.assessment.heldout import block_numbers, hold_out, judge, split_of
+from lodbench.analysis.fit.assessment.heldout import (
+    HeldOut,
+    block_numbers,
+    folds_of,
+    hold_out,
+    judge,
+    split_of,
+)
 from lodbench.analysis.fit.assessment.posterior_predictive import Draws, check_predictive
 from lodbench.analysis.fit.design import design_of
 from lodbench.analysis.fit.estimate import estimate
@@ -29,27 +37,76 @@ def test_blocks_are_of_25_frames_and_of_one_log():
 
 
 def test_each_split_fits_about_half(make_sample: MakeSample):
-    """Every second frame, every second block, or the first half of each log."""
+    """Every second frame, or the first half of each log."""
     frames = make_sample(frames=100)
     two = Sample(frames.names, frames.predictors, frames.time_ms, np.repeat([0, 1], 50))
     assert np.flatnonzero(split_of(two, "interleaved")).tolist() == list(range(0, 100, 2))
     assert np.flatnonzero(split_of(two, "halves")).tolist() == [*range(25), *range(50, 75)]
-    fitted = np.flatnonzero(split_of(frames, "blocks"))
-    assert fitted.tolist() == [*range(25), *range(50, 75)]
+
+
+def test_each_frame_is_held_out_once_and_with_its_block(make_sample: MakeSample):
+    """Blocks of 25 frames go to five folds in turn; of several logs each is a fold."""
+    frames = make_sample(frames=150)
+    folds = folds_of(frames, "blocks")
+    assert np.sum(folds, axis=0).tolist() == [1] * 150
+    assert np.flatnonzero(folds[0]).tolist() == [*range(25), *range(125, 150)]
+    three = Sample(frames.names, frames.predictors, frames.time_ms, np.repeat([0, 1, 2], 50))
+    assert [np.flatnonzero(fold)[0] for fold in folds_of(three, "logs")] == [0, 50, 100]
+
+
+def test_frames_of_one_view_are_held_out_together(make_sample: MakeSample):
+    """Of a path drawn twice in shuffled order, a block is one of the path, in both passes."""
+    frames = make_sample(frames=200)
+    path = np.concatenate([np.random.default_rng(one).permutation(100) for one in (1, 2)])
+    shuffled = dataclasses.replace(frames, path=path)
+    for held in folds_of(shuffled, "blocks"):
+        assert set(path[held]).isdisjoint(path[~held])
+
+
+def test_the_error_of_the_mean_is_that_of_blocks(make_sample: MakeSample):
+    """Over twelve logs the mean error is inside twice its standard error, mostly."""
+    inside = 0
+    for seed in range(12):
+        found = hold_out(make_sample("correlated", seed=seed), TERMS, "gaussian", SHORT, "blocks")
+        assert found.folds == 5
+        inside += abs(found.error_pct_mean) < 2.0 * found.error_pct_mean_se
+    assert inside >= 8
+
+
+def test_few_frames_are_left_out_by_weights(make_sample: MakeSample):
+    """Weighted samples of the whole fit say what the fits without each frame say."""
+    frames = make_sample(frames=20)
+    options = SamplerOptions()
+    whole = estimate(frames, TERMS, "gaussian", options)
+    fast = hold_out(frames, TERMS, "gaussian", options, "leave-one-out", whole=whole)
+    slow = hold_out(frames, TERMS, "gaussian", options, "leave-one-out")
+    assert fast.error_pct_mean == pytest.approx(slow.error_pct_mean, abs=0.1)
+    assert fast.error_pct_sd == pytest.approx(slow.error_pct_sd, rel=0.05)
+    assert fast.log_score == pytest.approx(slow.log_score, abs=0.05)
+
+
+def test_a_model_that_does_not_predict_is_unfit():
+    """Each bound by itself: a mean error that is no chance, scatter, and coverage."""
+    good = HeldOut("blocks", 100, 3.0, 9.0, (0.0,) * 5, 0.9, 0.0, error_pct_mean_se=1.0)
+    assert good.unfit == ""
+    replace = dataclasses.replace
+    assert "the mean error is +71.0 %" in replace(good, error_pct_mean=71.0).unfit
+    assert replace(good, error_pct_mean=12.0, error_pct_mean_se=7.0).unfit == ""
+    assert "errors scatter by 93 %" in replace(good, error_pct_sd=93.0).unfit
+    assert "90 % intervals hold 40%" in replace(good, coverage_90=0.4).unfit
 
 
 def test_errors_are_those_of_the_noise(make_sample: MakeSample):
     """Of 6 % noise: no bias, a deviation of 6 %, 90 % coverage, and the noise's own log score."""
     frames = make_sample("heteroscedastic", frames=1_000)
     found = hold_out(frames, TERMS, "student-t", SHORT, "blocks")
-    assert found.rows == 500
+    assert found.rows == 1000
     assert abs(found.error_pct_mean) < 1.5
     assert found.error_pct_sd == pytest.approx(6.0, rel=0.15)
     assert found.error_pct_quantiles[2] == pytest.approx(0.0, abs=1.0)
     assert found.coverage_90 == pytest.approx(0.9, abs=0.04)
-    held = ~split_of(frames, "blocks")
-    mean = 4.0 + frames.predictors[held] @ np.array([0.02, 5e-6])
-    best: Any = stats.norm.logpdf(frames.time_ms[held], mean, 0.06 * mean)
+    mean = 4.0 + frames.predictors @ np.array([0.02, 5e-6])
+    best: Any = stats.norm.logpdf(frames.time_ms, mean, 0.06 * mean)
     assert found.log_score == pytest.approx(float(best.mean()), abs=0.03)
 
 

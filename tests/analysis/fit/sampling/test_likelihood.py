@@ -86,7 +86,7 @@ def test_the_posterior_adds_priors_and_knows_its_bounds(make_sample: MakeSample)
     sample = make_sample()
     design = design_of(sample, parse_terms(TERMS[0]))
     likelihood = StudentLikelihood(design, sample.time_ms, 12.0)
-    posterior = LogPosterior(likelihood, Priors(12.0), worth=0.25)
+    posterior = LogPosterior(likelihood, Priors(12.0))
     theta = some_theta(3, (-0.5, 0.3, 0.25))
 
     def prior(row: FloatArray) -> float:
@@ -101,7 +101,7 @@ def test_the_posterior_adds_priors_and_knows_its_bounds(make_sample: MakeSample)
         return float(sum(parts))
 
     theta[1:, 5], theta[2:, 3] = 0.5, 0.7
-    expected = np.array([prior(row) for row in theta]) + 0.25 * likelihood(theta)
+    expected = np.array([prior(row) for row in theta]) + likelihood(theta)
     found = posterior(theta)
     assert found - found[0] == pytest.approx(expected - expected[0], rel=1e-9)
     outside = np.tile(theta[0], (4, 1))

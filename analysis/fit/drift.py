@@ -1,0 +1,76 @@
+"""What a machine's speed did during a recording, by a draw that was made again and again.
+
+`lodbench record` makes one fixed draw before and after each frame.  Where that takes longer, so
+does the frame, whatever is drawn: dividing by it leaves what the frame itself costs.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...traces.logs.render_log import RenderLog, TimeName
+
+_NEIGHBOURS = 9  # frames, in order of drawing, whose median counts: one draw has noise of its own
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """How a log's machine ran: its reference draw over its median in the first pass.
+
+    Attributes
+    ----------
+    log : name of the log
+    range_pct : from the 5 % to the 95 % point, in per cent
+    second_half_pct : mean of the second half drawn over that of the first, minus 1, in per cent
+    """
+
+    log: str
+    range_pct: float
+    second_half_pct: float
+
+
+def without_drift(log: RenderLog, name: TimeName) -> tuple[RenderLog, Drift | None]:
+    """Return a log with a time over the machine's relative slowness, and how it drifted.
+
+    The log itself and None where it has no reference draws.
+    """
+    names = ("reference_before_ms", "reference_after_ms")
+    draws = [log.recorded[each] for each in names if each in log.recorded]
+    if not draws:
+        return log, None
+    order = drawing_order(log)
+    slowness = _relative(log, np.mean(draws, axis=0), order)
+    drawn = slowness[order]
+    half = len(drawn) // 2
+    low, high = np.quantile(drawn, (0.05, 0.95)).tolist()
+    second = float(drawn[half:].mean() / drawn[:half].mean()) - 1.0 if half else 0.0
+    drift = Drift(log.name, 100.0 * (high - low), 100.0 * second)
+    steady: Any = replace(log, **{name: log.time(name) / slowness})
+    return steady, drift
+
+
+def drawing_order(log: RenderLog) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Return the rows of a log in the order in which they were drawn, pass by pass."""
+    nothing = np.zeros(len(log))
+    at = log.recorded.get("drawn_at", nothing)
+    again = log.recorded.get("pass", nothing)
+    return np.lexsort((at, again))
+
+
+def _relative(log: RenderLog, draw_ms: FloatArray, order: FloatArray) -> FloatArray:
+    """Return reference times, smoothed in order of drawing, over their median in the first pass."""
+    from scipy.ndimage import median_filter
+
+    good = np.isfinite(draw_ms) & (draw_ms > 0.0)
+    if not good.any():
+        return np.ones(len(log))
+    known = order[good[order]]
+    smooth: Any = median_filter(draw_ms[known], _NEIGHBOURS, mode="nearest")
+    # A frame without a reference is between its neighbours in time.
+    place = np.empty(len(log))
+    place[order] = np.arange(len(log))
+    ran = np.interp(place, place[known], np.asarray(smooth, dtype=np.float64))
+    first = log.recorded.get("pass", np.zeros(len(log))) == 0.0
+    return ran / float(np.median(ran[first] if first.any() else ran))

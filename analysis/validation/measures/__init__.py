@@ -1,0 +1,1 @@
+"""What a validation measures: errors, metrics inside intervals, decisions, order."""

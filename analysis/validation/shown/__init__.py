@@ -1,0 +1,1 @@
+"""A validation as it is shown: tables for a terminal, and a page."""

@@ -1,0 +1,77 @@
+"""Recordings in a folder: what is written comes back, and what is missing is named."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lodbench.analysis.validation.recorded_frames import Measured, measured_of
+from lodbench.analysis.validation.recording_folder import (
+    case_folders,
+    find_recordings,
+    read_recordings,
+    write_recording,
+)
+from lodbench.analysis.validation.recordings import Recorded
+from lodbench.base.errors import InputError
+from lodbench.models.machine.hardware import HardwareProfile
+
+LABELS = ["full", "feedback"]
+
+
+@pytest.fixture
+def item(
+    recorded: Callable[..., dict[str, tuple[Measured, ...]]],
+    make_machine: Callable[..., HardwareProfile],
+) -> Recorded:
+    """Return a recording with a reference drawing and lag."""
+    measured = recorded(make_machine(), ("full",), (None,))["full"][0]
+    n = len(measured.frames)
+    columns = {name: np.asarray(measured.counts[name]) for name in ("triangles", "draw_calls")}
+    columns["projected_px"] = np.full(n, 9.0)
+    columns["reference_before_ms"] = np.linspace(1.0, 2.0, n)
+    columns["reference_after_ms"] = np.linspace(2.0, 3.0, n)
+    columns["lag_ms"] = np.linspace(5.0, 6.0, n)
+    return Recorded({"scene": "by-hand", "policy": "full"}, columns, measured.frames)
+
+
+def test_recordings_come_back_as_they_were(item: Recorded, tmp_path: Path) -> None:
+    """Both passes, with every column; a policy that is not there fails by name."""
+    write_recording(tmp_path / "case", LABELS, "full", 0, item)
+    later = replace(item, columns=item.columns | {"lag_ms": 2.0 * item.columns["lag_ms"]})
+    write_recording(tmp_path / "case", LABELS, "full", 1, later)
+    found = read_recordings(find_recordings(tmp_path) / "case", LABELS, {"scene": "by-hand"})
+    assert found.failed == {"feedback": "it was not recorded"}
+    for expected, got in zip((item, later), found.policies["full"], strict=True):
+        assert got.header == expected.header
+        assert got.columns.keys() == expected.columns.keys()
+        for name, values in expected.columns.items():
+            assert np.array_equal(got.columns[name], values)
+        assert np.array_equal(got.frames.times_ns, expected.frames.times_ns)
+    measured = measured_of(found.policies["full"][1])
+    assert measured.reference_ms is not None
+    assert measured.reference_ms[0] == pytest.approx(1.5)  # of before and after
+    assert measured.lag_ms is not None
+    assert measured.lag_ms[-1] == pytest.approx(12.0)
+    assert measured.counts["shaded_samples"][0] == 9.0
+
+
+def test_a_recording_of_something_else_is_refused(item: Recorded, tmp_path: Path) -> None:
+    """The entry that differs is named; and so is a folder without recordings."""
+    write_recording(tmp_path / "case", LABELS, "full", 0, item)
+    with pytest.raises(InputError, match="expected a recording with scene plaza, got by-hand"):
+        read_recordings(tmp_path / "case", LABELS, {"scene": "plaza"})
+    with pytest.raises(InputError, match="expected recordings of other, got those of case"):
+        read_recordings(tmp_path / "other", LABELS, {})
+    with pytest.raises(InputError, match="expected a recording of lodmanager, got none"):
+        read_recordings(tmp_path / "case", ["lodmanager"], {})
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="expected recordings that `lodbench validate --out`"):
+        find_recordings(tmp_path / "empty")
+
+
+def test_folders_of_cases_are_distinct() -> None:
+    """Two cases of one name have two folders."""
+    assert case_folders(["a b", "c", "a b"]) == ["a_b", "c", "a_b-3"]
