@@ -1,8 +1,9 @@
 """glTF 2.0 files as flat scenes whose objects have the levels that ``MSFT_lod`` gives them.
 
-An object is a node with a mesh, or a node with ``MSFT_lod`` and all below it.  Objects of equal
-meshes, turned and scaled alike, share a type.  Levels of materials, skins, morphs and animations
-are not read.  Microsoft, "MSFT_lod", vendor extension of glTF 2.0.
+An object is a node with a mesh, or a node with ``MSFT_lod`` and all below it; siblings named as
+levels are one too.  Objects of equal meshes, turned and scaled alike, share a type.  Levels of
+materials, skins, morphs and animations are not read.  Microsoft, "MSFT_lod", vendor extension of
+glTF 2.0.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,6 +27,7 @@ from .gltf_file import read_gltf
 from .gltf_objects import Key, Placed, Thing, find_objects
 from .gltf_schema import TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, pick
 from .gltf_textures import Textures
+from .named_levels import join_named_levels
 
 _Y_UP = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))  # glTF's axes as ours
 
@@ -42,6 +44,7 @@ def read_gltf_scene(
     """
     gltf = read_gltf(path)
     with guarded(path, "a glTF 2.0 file with meshes", "export it again"):
+        gltf.document = join_named_levels(gltf.document)
         return _read(gltf, path, sampling or Sampling())
 
 

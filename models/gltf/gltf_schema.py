@@ -58,12 +58,16 @@ class Image(_Struct, frozen=True):
         return self.mime_type == "image/ktx2" or (self.uri or "").lower().endswith(".ktx2")
 
 
-class _Lod(_Struct, frozen=True):
+class Lod(_Struct, frozen=True):
+    """Nodes of coarser levels."""
+
     ids: list[int]
 
 
-class _NodeExtensions(msgspec.Struct, frozen=True):
-    MSFT_lod: _Lod | None = None
+class NodeExtensions(msgspec.Struct, frozen=True):
+    """What extensions say of a node."""
+
+    MSFT_lod: Lod | None = None
 
 
 class Node(_Struct, frozen=True):
@@ -75,7 +79,7 @@ class Node(_Struct, frozen=True):
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    extensions: _NodeExtensions = _NodeExtensions()
+    extensions: NodeExtensions = NodeExtensions()
     name: str = ""
 
     @property

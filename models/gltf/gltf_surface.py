@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
 from .gltf_file import read_gltf
 from .gltf_lod import place_parts
 from .gltf_objects import find_objects
 from .gltf_schema import pick
 from .gltf_textures import Textures
+from .named_levels import join_named_levels
 
 
 def load_ktx2_surface(path: Path) -> SurfaceMesh | None:
@@ -29,8 +29,8 @@ def load_ktx2_surface(path: Path) -> SurfaceMesh | None:
         return None
     parts: list[MeshPart] = []
     materials: set[int | None] = set()
-    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
-        for thing in find_objects(document):
+    with guarded(path, "a glTF 2.0 file with meshes", "export it again"):
+        for thing in find_objects(join_named_levels(document)):
             for placed in thing.levels[0] if thing.levels else ():
                 matrix = (thing.transform @ placed.transform)[:3]
                 parts += place_parts(gltf, placed, matrix)
