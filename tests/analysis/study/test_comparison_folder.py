@@ -31,7 +31,7 @@ def results(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfil
 
 
 def test_folder_holds_what_is_promised(results: Compared, tmp_path: Path) -> None:
-    """Report, comparison, scene and a frame log a policy are written, and nothing is left beside."""
+    """Report, comparison, scene and a frame log a policy are written, nothing is left beside."""
     output.write_results(tmp_path / "run", results)
     files = sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file())
     assert files == [
