@@ -47,7 +47,7 @@ def choose_meshes(scene: Scene, geometry: Geometry, drawn_rows: IntArray) -> Vie
     A row without room is shown by the mesh of the next coarser level of its type that has some.
     """
     mesh_of_row = np.full(len(scene.types.levels.error_m), -1, dtype=np.int32)
-    rows = np.unique(drawn_rows).tolist() if geometry else []
+    rows: list[int] = np.unique(drawn_rows).tolist() if geometry else []
     arrays: dict[str, NDArray[Any]] = {}
     boxes: list[tuple[list[float], list[float]]] = []
     room = MOST_BYTES

@@ -33,12 +33,11 @@ class PageServer(ThreadingHTTPServer):
     def __init__(self, page: str, port: int = 0) -> None:
         """Bind a port, any that is free for 0; raises OSError if it cannot be had."""
         token = secrets.token_urlsafe(24)
-        handler = type(
-            "Handler", (_Handler,), {"page": page.encode(), "path_of_page": f"/{token}/"}
-        )
+        served = {"page": page.encode(), "path_of_page": f"/{token}/"}
+        handler = type("Handler", (_Handler,), served)
         super().__init__((ADDRESS, port), handler)
-        self.host = f"{ADDRESS}:{self.server_port}"
-        self.url = f"http://{self.host}/{token}/"
+        handler.host = f"{ADDRESS}:{self.server_port}"  # before any request is taken
+        self.url = f"http://{handler.host}/{token}/"
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -46,7 +45,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     page: ClassVar[bytes]
     path_of_page: ClassVar[str]
-    server: PageServer
+    host: ClassVar[str]
     protocol_version = "HTTP/1.1"
     timeout = 30
 
@@ -59,7 +58,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self) -> bool:
         asked = secrets.compare_digest(self.path.encode(), self.path_of_page.encode())
-        if not asked or self.headers.get("Host") != self.server.host:
+        if not asked or self.headers.get("Host") != self.host:
             self.send_error(HTTPStatus.NOT_FOUND)
             return False
         self.send_response(HTTPStatus.OK)

@@ -42,6 +42,11 @@ def browser() -> Generator[Any]:
         chromium.close()
 
 
+def listen(page: Any, event: str, heard: Callable[[Any], object]) -> None:
+    """Have a page tell of an event."""
+    page.on(event, heard)
+
+
 @pytest.fixture
 def open_page(browser: Any) -> Iterator[Open]:
     """Return what opens a page; it fails the test that the page speaks, or asks for anything."""
@@ -54,13 +59,16 @@ def open_page(browser: Any) -> Iterator[Open]:
         context.set_offline(offline)
         contexts.append(context)
         page = context.new_page()
-        page.on("console", lambda message: _DRIVER in message.text or said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.on("dialog", lambda dialog: said.append(dialog.message))
         own = url.partition("#")[0]
-        page.on(
-            "request", lambda asked: asked.url.partition("#")[0] == own or said.append(asked.url)
-        )
+
+        def hear(text: str) -> None:
+            if _DRIVER not in text:
+                said.append(text)
+
+        listen(page, "console", lambda message: hear(message.text))
+        listen(page, "pageerror", lambda error: hear(str(error)))
+        listen(page, "dialog", lambda dialog: hear(dialog.message))
+        listen(page, "request", lambda asked: own == asked.url.partition("#")[0] or hear(asked.url))
         page.goto(url)
         return page
 

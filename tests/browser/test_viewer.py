@@ -5,7 +5,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -183,7 +183,7 @@ def test_names_stay_text(open_page: Open, compared: Compared, tmp_path: Path) ->
 
 
 @contextmanager
-def serving(folder: Path) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
+def serving(folder: Path) -> Generator[tuple[str, "subprocess.Popen[str]"]]:
     """Yield the address that the command prints, and its process."""
     command = [sys.executable, "-m", "lodbench", "view", str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:

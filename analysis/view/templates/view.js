@@ -237,11 +237,11 @@ class Pane {
       }
     });
     draw.putImageData(this.picture, 0, 0);
-    draw.strokeStyle = "#ffffff"; draw.lineWidth = 1.5;
+    draw.strokeStyle = "#ffffff"; draw.lineWidth = Math.max(0.75, width / 500);
     for (let g = frameAt(p, p.time[f] - RECENT_S); g <= f; g++)
       for (let c = p.start[g]; c < p.start[g + 1]; c++) if (p.isSwitch[c] && p.time[g] > p.time[f] - RECENT_S) {
         const [x, y] = at(p.node[c]);
-        draw.beginPath(); draw.arc(x, y, sizeOf(p.node[c]) + 3, 0, 2 * Math.PI); draw.stroke();
+        draw.beginPath(); draw.arc(x, y, sizeOf(p.node[c]) + Math.max(1.5, width / 240), 0, 2 * Math.PI); draw.stroke();
       }
     const eye = [X(p.eye[3 * f]), Y(p.eye[3 * f + 1])], ahead = new THREE.Vector3(0, 0, -1).applyQuaternion(new THREE.Quaternion().fromArray(p.turn, 4 * f));
     const turn = Math.atan2(-ahead.y, ahead.x), half = Math.atan(Math.tan(head.fovy_deg * Math.PI / 360) * head.aspect);

@@ -82,7 +82,9 @@ def test_rows_are_the_objects_that_switch_most(
 def test_a_tree_is_coloured_by_depth(compared: Compared, make_scene: Callable[..., Scene]) -> None:
     """The root, for which its children are drawn and back, is coarsest, they are finest."""
     levels = make_scene([(0, 0, 0)]).types.levels
-    one = type(levels)(np.array([0, 1]), levels.counts[:1], np.zeros(1), np.ones(1), np.zeros(1))
+    one = type(levels)(
+        np.array([0, 1]), levels.counts[:1], np.zeros(1), np.ones(1), np.zeros(1, dtype=bool)
+    )
     scene = make_scene(np.zeros((3, 3)), parent=[-1, 0, 0], levels=one)
     refined = [(0, HIDDEN), (1, 0), (2, 0)]
     chart = raster_of(results_of(compared, scene, levels=history_of(9, {0: [(0, 0)], 5: refined})))

@@ -63,7 +63,8 @@ def mesh_of(triangles: int) -> LevelMesh:
     rim = np.stack((np.cos(turn), np.sin(turn), turn), axis=1)
     points = np.concatenate((np.zeros((1, 3)), rim))
     faces = np.stack((np.zeros(triangles), np.arange(triangles) + 1, np.arange(triangles) + 2))
-    return LevelMesh(points, np.zeros_like(points), faces.T, np.array([0, triangles]))
+    arrays: tuple[Any, ...] = (points, np.zeros_like(points), faces.T, np.array([0, triangles]))
+    return LevelMesh(*arrays)
 
 
 def test_a_page_holds_the_record(compared: Compared) -> None:
