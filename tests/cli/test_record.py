@@ -47,6 +47,7 @@ def test_a_log_that_fit_can_read(record: Record, name: str) -> None:
     assert (log.columns(["draw_calls", "triangles", "shaded_samples"]) >= 1.0).all()
     assert (log.columns(["framebuffer_pixels"]) == 160 * 90).all()
     assert (log.time("frame_ms") > log.time("cpu_ms")).all()
+    assert log.warnings == ()
     assert [path.name for path in Path().iterdir()] == [name]
     if "llvmpipe" in header["renderer"]:
         assert header["gpu_ms"].startswith("left out, a software rasteriser")

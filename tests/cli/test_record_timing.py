@@ -48,7 +48,9 @@ def test_frames_in_flight(record: Record, capsys: pytest.CaptureFixture[str]) ->
     lag_ms = 1e-6 * (frames["gpu_end_ns"] - frames["input_ns"])
     assert columns.numbers("lag_ms") == pytest.approx(lag_ms)
     assert (columns.numbers("prepare_ms") > 0.0).all()
-    header = dict(read_render_log(Path("log.parquet")).header)
+    log = read_render_log(Path("log.parquet"))
+    header = dict(log.header)
+    assert log.warnings == ()
     assert (header["frames_in_flight"], header["repeats"]) == ("2", "1")
     assert header["gpu_ms"] == "left out, frames overlap"
     assert "reference_before_ms" not in columns.names

@@ -19,6 +19,15 @@ STEPS = "the steps of"
 """How the source of frame times begins that are those of a clock, where the file has no others."""
 
 _ASIDE = (*TIMED, *RECORDED)  # what counts nothing
+# Columns of `lodbench record` that no fit takes for a time or a count: nobody has to map them.
+_KNOWN = {
+    "trace_s",
+    "prepare_ms",
+    "policy_ms",
+    "vertex_shader_invocations",
+    "clipping_input_primitives",
+    "clipping_output_primitives",
+}
 _BACKWARDS = 0.05  # share of steps back, above which a column is no clock
 
 
@@ -175,7 +184,7 @@ def _smells(unused: Sequence[str], times: dict[str, FloatArray]) -> list[str]:
     warnings: list[str] = []
     free = next((name for name in ("gpu_ms", "cpu_ms", "frame_ms") if name not in times), "gpu_ms")
     for kind, example in (("time", free), ("count", "triangles")):
-        names = [name for name in unused if smell_of(name) == kind]
+        names = [name for name in unused if name not in _KNOWN and smell_of(name) == kind]
         if names:
             shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
             warnings.append(
