@@ -1,7 +1,7 @@
 """From frames and terms to a sampled posterior: what a fit and each held-out fit have in common."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -40,7 +40,6 @@ Model = Literal["student-t", "gaussian"]
 
 MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
 
-_ROUNDS, _NO_RISE = 5, 1e-3  # of the mean frame's cost, which is then as it was measured
 _START = 0.7  # of the scale of a spread's prior, its median, where the search begins
 _KEPT = 1_000  # samples kept for predictions
 
@@ -134,22 +133,15 @@ def _stretched(
     """Return the posterior of frames that err alike, and its optimum.
 
     It is stretched about where the frames alone have it, be that beyond a bound: else the slope at
-    the bound would be taken for surer than the frames are.  What bounds then take from the cost of
-    the mean frame, which is known best, is given back.
+    the bound would be taken for surer than the frames are.
     """
     likelihood = posterior.likelihood
     free = _unbounded(likelihood, design, center)
     found = dependence(_frames(sample, design, free, likelihood))
     stretch = Stretch.of(found, free, likelihood)
-    for _ in range(_ROUNDS):
-        posterior = LogPosterior(likelihood, posterior.priors, stretch)
-        inside = np.clip(stretch.moved, likelihood.low, likelihood.high)
-        center = highest(posterior, [inside])
-        rise = rise_of(_frames(sample, design, center, likelihood))
-        if abs(rise) < _NO_RISE:
-            break
-        stretch = stretch.raised(rise)
-    return posterior, center
+    posterior = LogPosterior(likelihood, posterior.priors, stretch)
+    inside = np.clip(stretch.moved, likelihood.low, likelihood.high)
+    return posterior, highest(posterior, [inside])
 
 
 def _unbounded(likelihood: Likelihood, design: Design, center: FloatArray) -> FloatArray:
@@ -226,4 +218,18 @@ def estimate(
     """Sample the posterior of a model given frames; raises InputError as `posterior_of`."""
     design, posterior, center = posterior_of(sample, terms, model)
     chain = sample_chain(posterior, center, options, resume=resume, progress=progress)
+    if posterior.stretch is not None:
+        chain = _mean_kept(chain, sample, design, posterior.likelihood)
     return Estimate(sample, tuple(terms), design, posterior, chain)
+
+
+def _mean_kept(chain: Chain, sample: Sample, design: Design, likelihood: Likelihood) -> Chain:
+    """Return a chain whose mean has the mean frame's cost as it was measured, spikes aside.
+
+    Where coefficients meet their bound at 0, what is left of the posterior costs more on average
+    than the frames did, which is what they tell best: a common factor takes it back.
+    """
+    rise = rise_of(_frames(sample, design, chain.flat.mean(axis=0), likelihood))
+    samples = chain.samples.copy()
+    samples[..., : len(design.names)] *= 1.0 + rise
+    return replace(chain, samples=samples)

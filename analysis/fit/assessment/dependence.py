@@ -22,6 +22,7 @@ from .spikes import are_spikes
 
 _LEAST_STIFF = 0.1  # mean curvature of a frame's likelihood; outliers' own is negative
 _STRETCH, _STRETCHES = 10, 30  # frames of a stretch at most, and how many there must be
+_FEW = 30  # frames, of which no mean is more robust than their core
 _STANDS_OUT = 2.0  # deviations of chance
 _LEAST = 1e-9  # curvature, of the largest, below which a direction is not looked at
 
@@ -94,19 +95,32 @@ def dependence(frames: Frames) -> Dependence:
     columns = (slopes / frames.scale).T
     along, across = _directions(columns, stiffness, frames.scaled)
     scores: FloatArray = (columns * pull[:, np.newaxis]) @ along
-    away = _without_spikes(frames)
-    rise = float(away.mean() / mean.mean())
-    # Errors as they are, and over the frame's time: a model's are of any size in any frame, a slow
-    # machine's are in proportion, and their order drowns in that of long frames.  The worst counts.
     size = float(np.linalg.norm(across @ frames.scaled))
-    seen = (
-        away / mean.mean(),
-        _unexplained(away, slopes.T, series) / mean.mean(),
-        _unexplained(away / mean, (slopes / mean).T, series),
-    )
+    seen, rise = _common_factor(frames)
     times, dof = max(_over_logs(size * one, series) for one in seen)
     others = [_over_logs(column, series, dof)[0] for column in scores.T[1:]]
     return Dependence(along, across, np.maximum([times, *others], 1.0), dof, rise)
+
+
+def _common_factor(frames: Frames) -> tuple[tuple[FloatArray, ...], float]:
+    """Return what each frame says of a common factor, (n,), in several ways, and the rise.
+
+    Gaussian noise, or few frames: the scores themselves.  Else, of the mean of frames without
+    spikes, errors as they are, and over the frame's time: a model's are of any size in any frame, a
+    slow machine's are in proportion, and their order drowns in that of long frames.
+    """
+    slopes, mean, series = frames.slopes, frames.mean, frames.series
+    away = _without_spikes(frames)
+    if frames.dof is None or len(mean) < _FEW:
+        weight: FloatArray = (mean / frames.scale) ** 2
+        weight /= weight.mean()
+        rest = _unexplained(away, slopes.T, series)
+        return (away / mean * weight, rest / mean * weight), 0.0
+    return (
+        away / mean.mean(),
+        _unexplained(away, slopes.T, series) / mean.mean(),
+        _unexplained(away / mean, (slopes / mean).T, series),
+    ), float(away.mean() / mean.mean())
 
 
 def _pulls(z: FloatArray, dof: float | None) -> tuple[FloatArray, float]:
@@ -133,6 +147,8 @@ def _directions(
 
 def rise_of(frames: Frames) -> float:
     """Return the share by which frames take longer than their means on average, spikes aside."""
+    if len(frames.mean) < _FEW:
+        return 0.0
     return float(_without_spikes(frames).mean() / frames.mean.mean())
 
 

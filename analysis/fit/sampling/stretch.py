@@ -1,6 +1,6 @@
 """A likelihood made wider about its optimum, with heavier tails, for frames that err alike."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,12 +42,6 @@ class Stretch:
         beyond = np.eye(width) - found.along @ found.across
         shrink[:width, :width] = (found.along / np.sqrt(found.times)) @ found.across + beyond
         return cls(center, moved, float(likelihood(center[np.newaxis])[0]), shrink, found)
-
-    def raised(self, share: float) -> "Stretch":
-        """Return the same about coefficients that are all larger by a share."""
-        moved = self.moved.copy()
-        moved[: len(self.found.along)] *= 1.0 + share
-        return replace(self, moved=moved)
 
     def __call__(self, likelihood: Likelihood, theta: FloatArray) -> FloatArray:
         """Return the stretched log-likelihood of (W, D) parameters, (W,).

@@ -98,9 +98,9 @@ def _forgetting(rng: np.random.Generator, count: int, frames: float) -> FloatArr
 
 def _episodes(rng: np.random.Generator, count: int, on: float, off: float) -> FloatArray:
     """Return 1 in episodes of mean length `on`, 0 between them for `off` on average."""
-    lengths = rng.geometric(1.0 / np.where(np.arange(count) % 2, off, on))
-    state = rng.random() < on / (on + off)
-    values = np.repeat((np.arange(count) + (not state)) % 2 == 0, lengths[:count])
+    starts_on = rng.random() < on / (on + off)
+    is_on = (np.arange(count) % 2 == 0) == starts_on
+    values = np.repeat(is_on, rng.geometric(1.0 / np.where(is_on, on, off)))
     return values[:count].astype(np.float64)
 
 
