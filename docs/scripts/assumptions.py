@@ -42,12 +42,6 @@ quad-fragment merging, 2010)."""
 HELPER_NS = 1.0
 """Of a helper sample: ten times the price that the profile has of a sample of a sphere."""
 
-HIDDEN = 0.5
-"""Share of objects that others hide."""
-
-DEARER = 4.0
-"""Factor on prices of a policy's own work: of what is interpreted, or waits for memory."""
-
 POLICIES = (
     *("static-distance", "static-screen", "feedback", "funkhouser", "gobbetti", "wimmer", "zach"),
     *("screen-space-error", "pixel-error", "cluster-cut"),
@@ -86,22 +80,6 @@ def with_helpers(hardware: HardwareProfile) -> HardwareProfile:
     return scaled(hardware, {}, {"rasterized_triangles": HELPERS * HELPER_NS * 1e-6})
 
 
-def with_hidden_objects(hardware: HardwareProfile) -> HardwareProfile:
-    """Return a profile on which a share of what is drawn is culled before it costs anything."""
-    of_objects = ("draw_calls", "triangles", "shaded_samples")
-    return scaled(hardware, dict.fromkeys(of_objects, 1.0 - HIDDEN))
-
-
-def with_dear_deciding(hardware: HardwareProfile) -> HardwareProfile:
-    """Return a profile on which a policy's own work costs more."""
-    work = ("objects_visited", "comparisons", "iterations")
-    linear_ms = [
-        ms * DEARER if name in work else ms
-        for name, ms in zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True)
-    ]
-    return replace(hardware, cpu=replace(hardware.cpu, linear_ms=linear_ms))
-
-
 def with_free_changes(hardware: HardwareProfile) -> HardwareProfile:
     """Return a profile on which a change of level costs nothing."""
     free: dict[str, float] = dict.fromkeys(CHANGE_PREDICTORS, 0.0)
@@ -118,8 +96,6 @@ VARIANTS: dict[str, tuple[str, Variant]] = {
     "free-changes": ("changes of level cost nothing", with_free_changes),
     "idling-clock": (f"an idling clock of {IDLE_SHARE:.0%}", with_idling_clock),
     "quads-heavy": (f"{HELPERS} helper samples a triangle, {HELPER_NS:g} ns each", with_helpers),
-    "occlusion": (f"{HIDDEN:.0%} of objects culled as hidden", with_hidden_objects),
-    "deciding-4": (f"deciding costs {DEARER:g} times as much", with_dear_deciding),
 }
 
 
