@@ -3,7 +3,8 @@
 A profile that was fitted to whole frames charges all of a frame to the GPU, and what Python takes
 to cull, to decide and to keep accounts is no cost of the machine's.  Where frames overlap both
 matter: the device works on one frame while the next is prepared and submitted.  So here the CPU
-takes what it took in the recording, and the GPU what the submission leaves of a frame's price.
+takes what it took in the recording, and the GPU that part of a frame's price which the device
+needed after the submission.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,12 +37,12 @@ def as_drawn(
     submit_ms = [item.submit_ms for item in items if item.submit_ms is not None]
     if not prepare_ms or not submit_ms:
         return deep
-    priced_ms = float(np.median(np.concatenate([hardware.gpu.counted_ms(i.counts) for i in items])))
-    submitted_ms = float(np.median(np.concatenate(submit_ms)))
+    submitted_ms = np.concatenate(submit_ms)
+    worked_ms = np.concatenate([np.asarray(item.frames["gpu_ms"]) for item in items])
     # A profile that has a CPU of its own has the submission there, and not in the GPU's price.
     apart = bool(hardware.cpu.base_ms or hardware.cpu.linear_ms.any())
-    left = 1.0 if apart or not priced_ms else max(0.0, 1.0 - submitted_ms / priced_ms)
-    cpu_ms = float(np.median(np.concatenate(prepare_ms))) + submitted_ms
+    left = 1.0 if apart else float(np.median(worked_ms / (worked_ms + submitted_ms)))
+    cpu_ms = float(np.median(np.concatenate(prepare_ms)) + np.median(submitted_ms))
     return replace(
         deep,
         cpu=CpuCostModel.of(cpu_ms, {}),

@@ -182,7 +182,7 @@ def validate(
         ),
         first=count_decided((policy.first, 0.0) for _, policy in policies),
         machine=machine_factor(
-            [policy.cost_ratio for _, policy in policies],
+            [policy.cost_ratio for _, policy in policies if policy.cost_ratio is not None],
             hardware.scatter,
             len({case.scene for case, _ in policies}) or 1,
         ),
