@@ -14,6 +14,7 @@ import numpy as np
 
 from ...models.machine.cost import CostModel, CpuCostModel
 from ...models.machine.hardware import HardwareProfile, Posterior
+from ...models.machine.residual import Residual
 from .recorded_frames import Measured, frames_in_flight
 
 
@@ -24,8 +25,8 @@ def as_drawn(
 ) -> HardwareProfile:
     """Return the machine that frames were recorded on: as deep, and with the CPU's part apart.
 
-    The CPU's part is one number for all frames of the recordings, its median: a case that is to
-    tell of lag has one policy.
+    The CPU's part is log-normal about one number for all frames of the recordings: a case that is
+    to tell of lag has one policy.
 
     Parameters
     ----------
@@ -41,11 +42,13 @@ def as_drawn(
     worked_ms = np.concatenate([np.asarray(item.frames["gpu_ms"]) for item in items])
     # A profile that has a CPU of its own has the submission there, and not in the GPU's price.
     apart = bool(hardware.cpu.base_ms or hardware.cpu.linear_ms.any())
-    left = 1.0 if apart else float(np.median(worked_ms / (worked_ms + submitted_ms)))
-    cpu_ms = float(np.median(np.concatenate(prepare_ms)) + np.median(submitted_ms))
+    # Sums, since two frames that are found complete at one look share what both of them took.
+    left = 1.0 if apart else float(worked_ms.sum() / (worked_ms.sum() + submitted_ms.sum()))
+    log_ms = np.log(np.concatenate(prepare_ms) + submitted_ms)
     return replace(
         deep,
-        cpu=CpuCostModel.of(cpu_ms, {}),
+        cpu=CpuCostModel.of(float(np.exp(log_ms.mean())), {}),
+        cpu_residual=Residual("lognormal", float(log_ms.std()), floor=0.0),
         gpu=_scaled(hardware.gpu, left),
         posterior=None if hardware.posterior is None else _scaled_draws(hardware.posterior, left),
     )

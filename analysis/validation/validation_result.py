@@ -119,7 +119,8 @@ class PolicyValidation:
     corrected : Errors or None
         As `errors`, of times over those of the reference drawing beside them; None without one.
     cost_ratio : float or None
-        Median of measured over predicted time of a frame; None where the model has no cost.
+        Median of measured over predicted time of a frame; None where the model has no cost,
+        or frames overlap.
     judged_ms : tuple of float
         Work time by which the budget is judged, of each recording.
     keeps_budget, first : Decision
