@@ -174,7 +174,7 @@ def _between_logs(
         own = summary_of(whole.rows(rows), growth, reference_ms, pooled, sample.origin(log))
         summaries.append(own[0])
         mean[rows] = own[1]
-        times += float(own[2].times.mean()) * len(rows) / len(sample)
+        times += float(own[2].times.min()) * len(rows) / len(sample)
     noise = _noise_about(mean, sample.time_ms, likelihood, center)
     return BetweenLogs(summaries, levels, design.names, pooled, noise, 1.0 / times)
 

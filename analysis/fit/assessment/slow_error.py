@@ -20,7 +20,7 @@ import numpy as np
 from ....base.arrays import FloatArray
 
 _MOST = 2_000  # coefficients of the lowest frequencies; a mean does not depend on the others
-_TIMES, _SHARES = 40, 16  # of the grid of τ and φ: fine enough for thousands of errors
+_TIMES, _SHARES = 40, 20  # of the grid of τ and φ: fine enough for thousands of errors
 _FASTEST = 0.5  # frames
 _WHITE = 0.5  # probability, beforehand, that errors are white
 _LEAST_DOF, _MOST_DOF = 4.0, 200.0  # heavier tails than that make no chain that mixes
@@ -118,7 +118,8 @@ def _dof_of(ratio: float) -> float:
 def _grid(count: int) -> _Grid:
     """Return the spectra for n errors: white ones first, then each τ with each φ."""
     times = np.geomspace(_FASTEST, 0.5 * count, _TIMES)
-    shares: FloatArray = 1.0 / (1.0 + np.exp(-np.linspace(-6.0, 5.0, _SHARES)))
+    logit = np.linspace(-6.0, 8.0, _SHARES - 1)
+    shares: FloatArray = np.append(1.0 / (1.0 + np.exp(-logit)), 1.0)
     ahead = np.arange(1, count)
     cosine = np.cos(np.pi * np.arange(1, min(count, _MOST + 1)) / count)
     spectra, of_mean = [np.ones(len(cosine))], [1.0]

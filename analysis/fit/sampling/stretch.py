@@ -37,7 +37,8 @@ class Stretch:
         width, whole = len(found.along), len(center)
         moved = center.copy()
         moved[:width] *= 1.0 + found.rise
-        shrink = np.eye(whole) / np.sqrt(found.times.mean())
+        # The noise is told as well as what is told best: slow errors blur costs, not scatter.
+        shrink = np.eye(whole) / np.sqrt(found.times.min())
         beyond = np.eye(width) - found.along @ found.across
         shrink[:width, :width] = (found.along / np.sqrt(found.times)) @ found.across + beyond
         return cls(center, moved, float(likelihood(center[np.newaxis])[0]), shrink, found)
