@@ -14,6 +14,7 @@ from ..sim.faults import Faults
 from ..sim.frame_log import FrameLog
 from ..sim.replay import ReplayOptions
 from ..sim.replay import replay as _replay
+from .study.field_of_view import field_of_view
 from .study.inputs import (
     WHOLE,
     HardwareLike,
@@ -39,7 +40,7 @@ def replay(
     budget_ms: float,
     seed: int = 0,
     frames: int | None = None,
-    fovy_deg: float = 60.0,
+    fovy_deg: float | None = None,
     crossfade_ms: float = 0.0,
     measurement_delay: int = 0,
     faults: Faults | None = None,
@@ -53,17 +54,19 @@ def replay(
     It is replayed in this very process, where a debugger sees it and what it prints is seen, and
     which it can end: `compare` and `check` replay in processes apart.
 
-    Keywords are those of `ReplayOptions`.  The same arguments give the same bytes.
+    Keywords are those of `ReplayOptions`; a `fovy_deg` of None is what the trace states, or 60.
+    The same arguments give the same bytes.
 
     Raises `InputError` if something named cannot be loaded, and `PolicyError` if the policy raises
     or a selection breaks its contract.
     """
     spec, world = spec_of(policy), as_scene(scene)
+    path, machine = as_trace(trace, world), as_hardware(hardware)
     options = ReplayOptions(
         budget_ms=budget_ms,
         seed=seed,
         frames=frames,
-        fovy_deg=fovy_deg,
+        fovy_deg=field_of_view([path], fovy_deg),
         crossfade_ms=crossfade_ms,
         measurement_delay=measurement_delay,
         faults=faults or Faults(),
@@ -72,7 +75,6 @@ def replay(
         memory_bytes=memory_bytes,
         visible_px=visible_px,
     )
-    path, machine = as_trace(trace, world), as_hardware(hardware)
     return _replay(spec.make(), world, path, machine, options, name=spec.label)
 
 
@@ -92,7 +94,7 @@ def compare(
     seeds: int | None = None,
     seconds: Seconds = WHOLE,
     warmup_s: float = 1.0,
-    fovy_deg: float = 60.0,
+    fovy_deg: float | None = None,
     crossfade_ms: float = 0.0,
     measurement_delay: int = 0,
     faults: Faults | None = None,
@@ -159,10 +161,11 @@ def compare(
     with claimed_target(None if out is None else Path(out)) as target:
         prepare_engine(scheduler)
         world, machine = as_scene(scene), as_hardware(hardware)
+        walked = load_paths(_several(traces), world, place, paths=paths, seconds=seconds, seed=seed)
         options = ReplayOptions(
             budget_ms=machine.budget_ms(budget_ms),
             seed=seed,
-            fovy_deg=fovy_deg,
+            fovy_deg=field_of_view(walked, fovy_deg),
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
             faults=faults or Faults(),
@@ -172,7 +175,7 @@ def compare(
         compared = compare_specs(
             specs_of(compared_policies() if policies is None else policies),
             world,
-            load_paths(_several(traces), world, place, paths=paths, seconds=seconds, seed=seed),
+            walked,
             machine,
             options,
             CompareSettings(
@@ -210,7 +213,7 @@ def check(
     seconds: Seconds = WHOLE,
     warmup_s: float = 1.0,
     visible_px: float = 1.0,
-    fovy_deg: float = 60.0,
+    fovy_deg: float | None = None,
     crossfade_ms: float = 0.0,
     measurement_delay: int = 0,
     faults: Faults | None = None,

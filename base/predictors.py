@@ -27,6 +27,7 @@ CHANGE_PREDICTORS = (
 GPU_PREDICTORS = (
     *LEVEL_PREDICTORS,
     "shaded_samples",  # projected area of the bounding sphere, px, summed over draws
+    "triangles_in_view",  # of those drawn, how many the clipper should let through
     "rasterized_triangles",  # of those drawn, how many should reach a sample
     "reformed_objects",  # drawn where the GPU makes every level anew in every frame
     "reformed_triangles",  # triangles of these

@@ -39,6 +39,9 @@ def guarded(path: str | Path, what: str, advice: str = "write it again") -> Gene
     except RecursionError as error:
         message = f"expected {what}, got one that is nested too deep"
         raise InputError(f"{message}; {advice}", path=path) from error
+    except ImportError as error:
+        message = f"expected the libraries that read {what}, got {describe_error(error)[:120]}"
+        raise InputError(f"{message}; install lodbench anew", path=path) from error
     except OSError as error:
         reason = error.strerror or describe_error(error)
         message = f"expected {what} that can be read, got {reason}"

@@ -86,7 +86,7 @@ def check(
     frames_in_flight: FramesInFlight = None,
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
@@ -98,6 +98,7 @@ def check(
     from ..analysis.gate.measurements import MeasureOptions
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
+    from ..analysis.study.field_of_view import USUAL_FOVY_DEG
     from ..analysis.study.inputs import adjust_machine, parse_seconds
     from ..base.files.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
@@ -147,6 +148,9 @@ def check(
         prepare_engine(scheduler)
         with progress_bar("replay") as progress:
             conditions, measured = measure_plan(plan, sampling, progress)
+        if fovy_deg is None and conditions.fovy_deg != USUAL_FOVY_DEG:
+            told = f"field of view of {conditions.fovy_deg:.4g} degrees, as the paths state it"
+            print(f"note: {told}", file=sys.stderr)
     if update_baseline:
         require_load(measured, conditions.budget_ms)
         _update(baseline, chosen, conditions, measured, as_json=as_json)

@@ -14,6 +14,7 @@ from .shared.terminal import (
     open_named_scene,
     print_record,
     table_console,
+    tell_field_of_view,
 )
 
 Folders = Annotated[
@@ -115,7 +116,7 @@ def compare(
     frames_in_flight: FramesInFlight = None,
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
@@ -135,6 +136,7 @@ def compare(
     from ..analysis.study.comparison_target import claimed_target
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
+    from ..analysis.study.field_of_view import field_of_view
     from ..analysis.study.inputs import adjust_machine, parse_seconds
     from ..analysis.study.paths import load_paths
     from ..models.machine.profile_catalog import load_hardware
@@ -170,12 +172,13 @@ def compare(
             budget_ms=profile.budget_ms(budget_ms),
             seed=seed,
             visible_px=visible,
-            fovy_deg=fovy_deg,
+            fovy_deg=field_of_view(walked, fovy_deg),
             crossfade_ms=crossfade_ms,
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
             memory_bytes=memory,
         )
+        tell_field_of_view(walked, replay.fovy_deg)
         settings = CompareSettings(
             warmup_s=warmup,
             miss=miss,

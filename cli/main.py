@@ -26,6 +26,7 @@ COMMANDS = {
     "suite": "Rank policies by a fixed study of scenes, paths, machines and budgets.",
     "check": "Judge policies by limits on their metrics: 0 passed, 1 failed, 2 bad input.",
     "report": "Write DIR/report.html again, or figures, tables and a summary of the comparison.",
+    "view": "Show what policies draw along the first path, until Ctrl-C, or write it to a file.",
     "export": "Write a run for viewers (PresentMon, CapFrameX, Perfetto), or a policy for an "
     "engine.",
     "fit": "Fit a cost model to measured render logs: a hardware profile.",

@@ -9,7 +9,7 @@ from typer import Option
 from ..base.errors import InputError
 from .shared import options
 from .shared.progress import progress_bar
-from .shared.terminal import open_named_scene
+from .shared.terminal import open_named_scene, tell_field_of_view
 
 Calibrate = Annotated[
     bool,
@@ -72,10 +72,11 @@ def record(
     frames_in_flight: FramesInFlight = 0,
     seed: CalibrationSeed = 0,
     place: options.Place = "shrink",
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Draw a replay with OpenGL, the policy in closed loop, and log what frames hold and take."""
+    from ..analysis.study.field_of_view import field_of_view
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation.image_folder import image_folder
     from ..analysis.validation.record_options import RecordOptions
@@ -95,7 +96,8 @@ def record(
     opened = open_named_scene(scene)
     path = load_trace(trace, opened.scene, place).stretch(*parse_seconds(seconds))
     budget = profile.budget_ms(budget_ms)
-    replay = ReplayOptions(budget_ms=budget, seed=seed, fovy_deg=fovy_deg)
+    replay = ReplayOptions(budget_ms=budget, seed=seed, fovy_deg=field_of_view([path], fovy_deg))
+    tell_field_of_view([path], replay.fovy_deg)
     drawing = RecordOptions(
         backend=backend,
         instancing=instancing,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option, Typer
 
+from ..base.errors import printable
 from .scene_hlod import build_hlod
 from .shared import options
 from .shared.frame_picture import check_picture, draw_picture
@@ -30,6 +31,7 @@ app = Typer(
 app.command("build-hlod")(build_hlod)
 
 _WIDE_M, _FLAT = 50.0, 20.0
+_SHOWN = 4
 
 Placements = Annotated[
     Path | None,
@@ -122,6 +124,8 @@ def build(
     else:
         names = [group.name for group in groups]
         where = read_placements(placements, names, y_up=up == "y", unit_m=unit_m or 1.0)
+        if where.unused:
+            _warn_of_unused(placements, where.unused)
         scene, geometry = scene_of_placements(out.stem, models, where)
         settings |= {"layout": f"placements of {placements.name}", "count": len(scene)}
     write_built(out, scene, geometry, meshes, settings, as_json=as_json)
@@ -146,6 +150,16 @@ def info(
     if picture is not None:
         draw_picture(opened, picture, trace, policy, frame, hardware, budget_ms)
     show("lodbench.scene-info/1", scene, opened.scene, opened.origin, as_json=as_json)
+
+
+def _warn_of_unused(placements: Path, unused: tuple[str, ...]) -> None:
+    """Tell of columns that say nothing to us: a turn or a scale may be among them."""
+    more = f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else ""
+    print(
+        f"warning: {printable(placements.name)}: not used: {', '.join(unused[:_SHOWN])}{more}; "
+        "type, x y z, qx qy qz qw, yaw_deg, scale, importance are",
+        file=sys.stderr,
+    )
 
 
 def _warn_of_sizes(models: "list[TypeModel]", units: "MeshUnits") -> None:

@@ -9,7 +9,13 @@ from typer import Argument, Option
 from .shared import options
 from .shared.command_line import command_of
 from .shared.progress import progress_bar
-from .shared.terminal import failure_of, open_named_scene, print_record, table_console
+from .shared.terminal import (
+    failure_of,
+    open_named_scene,
+    print_record,
+    table_console,
+    tell_field_of_view,
+)
 
 Policy = Annotated[str, Argument(help=f"{options.POLICY_HELP}: where the search starts.")]
 Over = Annotated[
@@ -45,7 +51,7 @@ def tune(
     quick: options.Quick = False,
     seed: options.Seed = 0,
     place: options.Place = "shrink",
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     out: Out = None,
     as_json: options.AsJson = False,
     workers: options.Workers = 0,
@@ -66,6 +72,7 @@ def tune(
     )
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
+    from ..analysis.study.field_of_view import field_of_view
     from ..analysis.study.inputs import parse_seconds
     from ..analysis.study.search.drawn_paths import draw_paths
     from ..analysis.study.search.tune_policy import tune_policy
@@ -92,9 +99,14 @@ def tune(
         seconds=parse_seconds(seconds),
         seed=seed,
     )
+    walked = (*drawn.training, *drawn.judged)
     replay = ReplayOptions(
-        budget_ms=profile.budget_ms(budget_ms), seed=seed, visible_px=visible, fovy_deg=fovy_deg
+        budget_ms=profile.budget_ms(budget_ms),
+        seed=seed,
+        visible_px=visible,
+        fovy_deg=field_of_view(walked, fovy_deg),
     )
+    tell_field_of_view(walked, replay.fovy_deg)
     settings = CompareSettings(
         warmup_s=warmup,
         miss=miss,

@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import BoolArray, FloatArray, IntArray
+from ..models.machine.cost_terms.term import Pass
 from ..models.scene.camera import Camera, area_of_spheres, eccentricity_deg
 from ..models.scene.motion import Placed
 from ..models.scene.nodes import Lens, Nodes, per_node
+from ..models.scene.rig import Rig
 from ..models.scene.scene import Scene
 from .frame_times import Completed
 from .selection import Selection
@@ -45,6 +47,8 @@ class FrameState:
         Centres in the last frame; None where no node moves.
     last_placed : (Nodes, (3, m) float64) or None
         Candidates of the last frame, and where they were in its camera's frame.
+    rig : Rig or None
+        The cameras where several look at once, of which `camera` is the head or the first.
     """
 
     scene: Scene
@@ -61,11 +65,20 @@ class FrameState:
     residency: BoolArray | None = None
     previous_centers: Placed | None = None
     last_placed: tuple[Nodes, FloatArray] | None = None
+    rig: Rig | None = None
 
     @property
     def centers_m(self) -> FloatArray:
         """Centres of the bounding spheres of all nodes at this frame's time, (3, N), read-only."""
         return self.centers.all_m
+
+    def view(self, ids: IntArray, xyz_m: FloatArray, nodes: Nodes | None = None) -> "View":
+        """Return the view of some nodes, see `View`: a `RigView` where several cameras look."""
+        if self.rig is None:
+            return View(self, ids, xyz_m, nodes)
+        from .rig_view import RigView  # which is a view itself
+
+        return RigView(self, ids, xyz_m, nodes)
 
 
 class View:
@@ -107,7 +120,22 @@ class View:
         """Return the same frame seen at other nodes, such as children of the roots."""
         nodes = Nodes(self.state.scene, ids)
         points_m = self.state.centers_m.take(nodes.at, axis=1)
-        return View(self.state, ids, self.camera.to_camera(points_m), nodes)
+        return self.state.view(ids, self.camera.to_camera(points_m), nodes)
+
+    @property
+    def viewport_px(self) -> float:
+        """Pixels of the viewport, of all cameras' together where several look."""
+        return float(self.camera.viewport_px)
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """What each camera draws, and where it sees it; here the only one draws all."""
+        return (Pass(np.ones(len(self.ids), dtype=np.bool_), self),)
+
+    @property
+    def areas_px(self) -> tuple[FloatArray, ...]:
+        """`area_px` in each camera's picture alone, (m,) each."""
+        return (self.area_px,)
 
     @per_node
     def type_index(self) -> IntArray:

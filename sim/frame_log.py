@@ -19,6 +19,7 @@ from ..base.arrays import FloatArray
 from ..base.errors import InputError
 from ..base.html_table import html_table
 from ..base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from .level_history import LevelHistory
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -122,12 +123,15 @@ class FrameLog:
     counts : (n, len(COUNTS)) float64
     drawn_by_depth : (n, D) int64
         Nodes drawn at each depth of a hierarchy, the roots' first; no columns where there is none.
+    levels : LevelHistory or None
+        At which level each node was drawn, of the frames from the first; where it was asked for.
     """
 
     header: LogHeader
     times_ns: NDArray[np.int64]
     counts: FloatArray
     drawn_by_depth: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    levels: LevelHistory | None = None
 
     def __post_init__(self) -> None:
         n = len(self.times_ns)
@@ -136,6 +140,9 @@ class FrameLog:
                 f"frame log: expected {len(TIMES)} times and {len(COUNTS)} counts a frame, got "
                 f"shapes {self.times_ns.shape} and {self.counts.shape}"
             )
+        if self.levels is not None and len(self.levels) > n:
+            got = len(self.levels)
+            raise InputError(f"frame log: expected levels of at most {n} frames, got {got}")
         by_depth = self.drawn_by_depth.reshape(n, -1 if n else 0)
         object.__setattr__(self, "drawn_by_depth", by_depth)
         by_depth.flags.writeable = False

@@ -11,7 +11,6 @@ from ..base.predictors import GPU_PREDICTORS
 from ..models.machine.cost import CostModel
 from ..models.machine.cost_terms.term import LevelChanges
 from ..models.machine.frame_cost import FrameCost
-from ..models.scene.camera import Camera
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.selection import Selection
@@ -26,8 +25,10 @@ from .accounting.picture_quality import FlatQuality, TreeQuality
 from .accounting.screen_errors import ScreenErrors
 from .accounting.switches import Drawn
 from .frame_log import CountRows
+from .level_history import LevelRecorder
 from .loader import Memory
 from .replay_options import ReplayOptions
+from .sight import Sight
 from .simulated_machine import Machine, Submitted
 
 _NS_PER_MS = 1e6
@@ -90,16 +91,22 @@ class FrameRecorder:
         tree: Tree | None,
         truth: CostModel,
         options: ReplayOptions,
-        camera: Camera,
+        sight: Sight,
         machine: Machine,
         memory: Memory,
         *,
         policy: str,
         future: bool,
+        levels: LevelRecorder | None,
     ) -> None:
         costs = FrameCost(truth, scene.types.levels)
         self._accounting = Accounting(
-            scene, costs, round(options.crossfade_ms * _NS_PER_MS), camera, options.visible_px
+            scene,
+            costs,
+            round(options.crossfade_ms * _NS_PER_MS),
+            sight.first,
+            options.visible_px,
+            sight.cameras,
         )
         self._fronts = (
             None if tree is None else Fronts(tree, self._accounting.viewport_px, options.visible_px)
@@ -114,7 +121,7 @@ class FrameRecorder:
         self._depth = None if tree is None else tree.depth
         self._depths = 0 if tree is None else int(tree.depth.max()) + 1
         self._by_depth = bytearray()  # of int64, a row a frame
-        self._rows = CountRows(_ROW)
+        self._rows, self._levels = CountRows(_ROW), levels
         self.last_detail = self._accounting.switches.detail
 
     def record(
@@ -146,6 +153,8 @@ class FrameRecorder:
         if self._fronts is not None:
             switches += self._fronts.record(view.time_ns, drawn.ids, view)
             self._count_depths(drawn)
+        if self._levels is not None:
+            self._levels.record(drawn, view.camera)
         extraction = self._extract(view, selection, drawn)
         first = self._first_uses.record(drawn.row.take(accounting.switches.changed))
         changes = LevelChanges(

@@ -1,7 +1,7 @@
 """The frames of a replay as one policy decides them: what the pipeline asks for, one by one."""
 
-import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,6 @@ from ..base.arrays import FloatArray
 from ..base.errors import InputError, PolicyError
 from ..base.foreign_text import describe_error
 from ..models.machine.hardware import HardwareProfile
-from ..models.scene.camera import Camera
-from ..models.scene.frustum import Culler
-from ..models.scene.motion import Centers, Placed
-from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
 from ..policies.protocol import Clairvoyant, Policy, Truth
@@ -22,10 +18,12 @@ from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
 from .frame_timer import FrameTimer
+from .level_history import LevelRecorder
 from .loader import make_memory
 from .pipeline import Pipeline
 from .replay_options import ReplayOptions
 from .selection_check import SelectionCheck
+from .sight import Seen, Sight
 from .simulated_machine import Machine, SimulatedMachine
 
 _PACE_FRAMES = 10_000
@@ -45,22 +43,21 @@ class PolicyFrames:
         name: str,
         machine: Machine | None,
         beat: Callable[[int], None] | None,
+        levels: LevelRecorder | None = None,
     ) -> None:
         self._policy, self._name, self._beat = policy, name, beat
         future = policy.capabilities.future
         self._oracle = policy if future and isinstance(policy, Clairvoyant) else None
-        self._scene = scene.with_costs(hardware.gpu)
         self._trace, self._hardware, self._options = trace, hardware, options
         self._end_ns = round(trace.duration_s * 1e9)
-        self._fovy_rad = math.radians(options.fovy_deg)
-        self._centers = Centers(scene.center_m, scene.motion)
-        self._culler = Culler(self._centers, scene.radius_m, scene.blocks, scene.cells)
-        self._nodes = Nodes(self._scene, np.zeros(0, dtype=np.int32))
+        sight = self._sight = Sight(scene, trace, hardware.display, options)
+        self._scene = scene.with_costs(replace(hardware.gpu, passes=sight.passes))
         self._tree = None if scene.flat else Tree(scene)
         streaming = policy.capabilities.loader and not scene.flat
         bound_bytes = options.memory_bytes or hardware.memory_bytes
         self._memory = make_memory(scene, hardware, bound_bytes, streaming=streaming)
         truth, residual = hardware.truth(options.draw)
+        truth = replace(truth, passes=sight.passes)
         gpu, cpu, dice = np.random.SeedSequence(options.seed).spawn(3)
         self._time_ns = 0  # at which the frame began
         self._machine = machine or SimulatedMachine(
@@ -72,17 +69,16 @@ class PolicyFrames:
             self._tree,
             truth,
             options,
-            self._camera(0.0),
+            sight,
             self._machine,
             self._memory,
             policy=name,
             future=future,
+            levels=levels,
         )
         self._check = SelectionCheck(self._scene, self._tree)
         self._previous: Selection | None = None
-        self._previous_camera: Camera | None = None
-        self._previous_centers: Placed | None = None
-        self._last_placed: tuple[Nodes, FloatArray] | None = None
+        self._seen: Seen | None = None
         self._previous_s = 0.0
         self._pace_ns = 0
         try:
@@ -115,8 +111,7 @@ class PolicyFrames:
         self._time_ns = time_ns
         view = self._show(frame, time_ns)
         selection = self._select(view, self._machine.begin())
-        self._previous, self._previous_camera = selection, view.camera
-        self._previous_s, self._previous_centers = time_ns * 1e-9, view.state.centers
+        self._previous, self._previous_s = selection, time_ns * 1e-9
         check = self._check
         costs_ns = self._recorder.record(
             view, selection, repeats=check.repeats, changed=check.changed
@@ -126,34 +121,30 @@ class PolicyFrames:
         return costs_ns
 
     def _show(self, frame: int, time_ns: int) -> View:
-        time_s = time_ns * 1e-9
-        camera = self._camera(time_s)
-        centers = self._centers.at(time_s)
-        ids, xyz_m = self._culler.cull(centers, camera)
+        time_s, sight, before = time_ns * 1e-9, self._sight, self._seen
+        seen = self._seen = sight.look(time_s)
         state = FrameState(
             self._scene,
-            camera,
-            centers,
+            seen.camera,
+            seen.centers,
             frame,
             time_ns,
             self._recorder.last_detail,
             self._timer.completed(),
-            self._culler.inside,
+            sight.inside,
             self._previous,
-            self._previous_camera,
+            None if before is None else before.camera,
             time_s - self._previous_s,
             self._memory.resident,
-            self._previous_centers,
-            self._last_placed,
+            None if before is None else before.centers,
+            None if before is None else (before.nodes, before.xyz_m),
+            seen.rig,
         )
-        if ids is not self._nodes.ids:
-            self._nodes = Nodes(self._scene, ids, self._culler.at)
-        view = View(state, ids, xyz_m, self._nodes)
-        self._last_placed = self._nodes, xyz_m
+        view = state.view(seen.nodes.ids, seen.xyz_m, seen.nodes)
         if self._tree is None:
             return view
         roots = self._scene.roots
-        return view.at(roots[self._culler.inside[roots]])
+        return view.at(roots[sight.inside[roots]])
 
     def _check_pace(self, frame: int, time_ns: int) -> None:
         """Refuse a machine on which frames take so little time that the trace's end never comes."""
@@ -171,17 +162,6 @@ class PolicyFrames:
 
     def _over(self, time_ns: int) -> bool:
         return time_ns > self._end_ns
-
-    def _camera(self, time_s: float) -> Camera:
-        pose = self._trace.pose_at(time_s)
-        display = self._hardware.display
-        return Camera(
-            pose.position_m,
-            pose.orientation_xyzw,
-            display.width_px,
-            display.height_px,
-            self._fovy_rad,
-        )
 
     def _select(self, view: View, truth: Truth | None) -> Selection:
         try:

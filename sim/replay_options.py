@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from ..base.errors import InputError, require_real, require_whole
+from ..models.scene.rig import Eyes
 from .faults import Faults
 
 MAX_FRAMES = 10_000_000
@@ -40,6 +41,8 @@ class ReplayOptions:
         Bound of the loader; None for the profile's.
     visible_px : float
         Least error on the screen, and least change of it, that is seen.
+    eyes : Eyes or None
+        The two eyes of a head that follows the path; None for one camera.
     """
 
     budget_ms: float
@@ -53,6 +56,7 @@ class ReplayOptions:
     draw: int | None = None
     memory_bytes: float | None = None
     visible_px: float = 1.0  # as meshoptimizer, Godot and Nanite's authors have it
+    eyes: Eyes | None = None
 
     def __post_init__(self) -> None:
         self._require_types()
@@ -102,3 +106,5 @@ class ReplayOptions:
                 require_real(value, name)
         if not isinstance(self.faults, Faults):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise InputError(f"faults: expected a Faults, got {self.faults!r}")
+        if not isinstance(self.eyes, Eyes | None):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise InputError(f"eyes: expected an Eyes or None, got {self.eyes!r}")

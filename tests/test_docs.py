@@ -107,6 +107,7 @@ LONG = {
     "suite.md",
     "sweeps.md",
     "tuning.md",
+    "viewer.md",
 }
 """Pages that draw, fit or simplify for some ten seconds; quick tests run each command briefly."""
 

@@ -12,6 +12,7 @@ from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...base.files.strict_json import read_json
 from ...base.files.whole_file import write_whole
+from ...base.reader_guard import guarded
 from .limits import LimitRules
 from .measurements import Conditions, MeasuredPolicy
 
@@ -97,7 +98,13 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
 
     Raises `InputError` if it cannot be read, is no baseline, or of other conditions.
     """
-    baseline = read_json(path, Baseline, _SCHEMA, _UPDATE)
+    with guarded(path, "a baseline", _UPDATE):
+        baseline = read_json(path, Baseline, _SCHEMA, _UPDATE)
+        _require_same(baseline, conditions, path)
+    return baseline
+
+
+def _require_same(baseline: Baseline, conditions: Conditions, path: Path) -> None:
     for item in fields(Conditions):
         now, then = getattr(conditions, item.name), getattr(baseline.conditions, item.name)
         if now != then:
@@ -115,4 +122,3 @@ def read_baseline(path: Path, conditions: Conditions) -> Baseline:
                     f"got {len(values)}; {_UPDATE}",
                     path=path,
                 )
-    return baseline

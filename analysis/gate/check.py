@@ -1,13 +1,14 @@
 """Run what a check asks for and judge it: the one path of the command and of failing tests."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...base.errors import InputError
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.faults import Faults
 from ...sim.replay import ReplayOptions
+from ..study.field_of_view import field_of_view
 from ..study.inputs import (
     WHOLE,
     HardwareLike,
@@ -40,6 +41,8 @@ class CheckPlan:
         None for one refresh of the display.
     seconds : (start, end)
         Stretch of each path that is replayed; an end of None is the path's.
+    fovy_deg : float or None
+        None for what the paths state, or 60.
     warmup_s : float
         Seconds at the start of it that do not count.
     place : str
@@ -56,7 +59,7 @@ class CheckPlan:
     seconds: Seconds = WHOLE
     warmup_s: float = 1.0
     visible_px: float = 1.0
-    fovy_deg: float = 60.0
+    fovy_deg: float | None = None
     crossfade_ms: float = 0.0
     measurement_delay: int = 0
     faults: Faults | None = None
@@ -78,7 +81,6 @@ def measure_plan(
         budget_ms=profile.budget_ms(plan.budget_ms),
         seed=plan.seed,
         visible_px=plan.visible_px,
-        fovy_deg=plan.fovy_deg,
         crossfade_ms=plan.crossfade_ms,
         measurement_delay=plan.measurement_delay,
         faults=plan.faults or Faults(),
@@ -101,8 +103,9 @@ def measure_plan(
             seed=plan.seed,
         )
         share = progress and _share(progress, at, len(scenes))
+        told = replace(options, fovy_deg=field_of_view(paths, plan.fovy_deg))
         conditions, measured = measure(
-            specs, scene, paths, profile, options, sampling, plan.warmup_s, share
+            specs, scene, paths, profile, told, sampling, plan.warmup_s, share
         )
         found += measured
     assert conditions is not None, "there is a scene"

@@ -5,6 +5,7 @@ from typing import Any, cast, get_args
 
 from ...base.errors import InputError
 from ...base.files.strict_toml import TomlDocument, read_toml
+from ...base.reader_guard import guarded
 from ..metrics.metric_registry import find_metric
 from ..verdict.metric_kinds import kind_of
 from .amount import Amount, parse_amount
@@ -55,7 +56,9 @@ def read_limits(path: Path) -> LimitRules:
     Raises `InputError` if it is missing, not TOML, or a key, metric or amount is not as it has to
     be, or an extreme is limited against a baseline; with the line.
     """
-    return _Reader(read_toml(path, _LARGEST_BYTES, "give limits in UTF-8, see docs/ci.md")).read()
+    with guarded(path, "a file of limits", "see docs/ci.md"):
+        document = read_toml(path, _LARGEST_BYTES, "give limits in UTF-8, see docs/ci.md")
+        return _Reader(document).read()
 
 
 def parse_limits(text: str) -> LimitRules:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from .palette import Ink
-from .plots import Plots
+from .plots import Plot, Plots
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,17 @@ class Tiles:
     tiles: Sequence[Tile]
 
 
-Block = Table | Chart | Plots | Paragraph | Command | Terms | Tiles
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Plots of which a reader chooses one by its name, at first the first."""
+
+    kind: ClassVar = "choice"
+    name: str
+    title: str
+    options: Sequence[tuple[str, Plot]]
+
+
+Block = Table | Chart | Plots | Choice | Paragraph | Command | Terms | Tiles
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .blocks import Cell, Chart, Section
-from .plots import HIGH, WIDE
+from .plots import HIGH, LEVEL_STYLES, WIDE
 
 if TYPE_CHECKING:  # jinja2 is loaded by what writes a page
     from jinja2 import Template
@@ -35,7 +35,7 @@ def render_page(
     off = [cell.ink.index for cell in legend[drawn_at_first or len(legend) :] if cell.ink]
     return _template().render(
         title=title, subtitle=subtitle, sections=sections, legend=legend, off=off,
-        plotly=_plotly_for(sections), draw=_draw, wide=WIDE, high=HIGH,
+        plotly=_plotly_for(sections), draw=_draw, wide=WIDE, high=HIGH, levels=LEVEL_STYLES,
     )  # fmt: skip
 
 

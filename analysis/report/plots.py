@@ -19,6 +19,8 @@ Scale = Literal["linear", "root", "log"]
 
 WIDE, HIGH = 20_000, 2_000
 """Units of a plot's coordinates; finer than a screen, also where a plot is zoomed into."""
+LEVEL_STYLES = tuple(f"level{shade}" for shade in range(8))
+"""Styles of lines by level of detail, coarse to fine."""
 _OUTSIDE = 3.0
 """How many widths or heights beyond the plot a line may lead."""
 _LABEL_PX = 17
@@ -100,20 +102,33 @@ def _tick_text(value: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A policy's line; `path` is in units of the plot, y downwards."""
+    """A policy's line; `path` is in units of the plot, y downwards.
+
+    Attributes
+    ----------
+    style : str
+        Class of the page's style: "leader", "band", "heat1" to "heat4" or one of `LEVEL_STYLES`.
+    hint : str
+        What its hover says, of a line in a row.
+    """
 
     ink: Ink
     path: str
-    style: Literal["", "leader", "band", "heat1", "heat2", "heat3", "heat4"] = ""
+    style: str = ""
+    hint: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A policy's stretch of time as boxes in shades, in a row of its own."""
+    """A policy's or an object's stretch of time as boxes in shades, in a row of its own.
+
+    The legend rules rows whose ink has an index; `hint` is shown under the pointer.
+    """
 
     ink: Ink
     name: str
     boxes: Sequence[Line]
+    hint: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +175,8 @@ class Plot:
         Whether a unit is as long upwards as sideways, of a plot twice as wide as high.
     caption : str
         The sentence that a reader should take from it.
+    shaded : bool
+        Whether its rows show levels, on a ground of their own, with the key of their colours.
     """
 
     name: str
@@ -175,6 +192,7 @@ class Plot:
     square: bool = False
     caption: str = ""
     rows: Sequence[Row] = ()
+    shaded: bool = False
 
 
 @dataclass(frozen=True, slots=True)

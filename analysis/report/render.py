@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from importlib import import_module
 
+from ...models.scene.scene import Scene
 from ...sim.frame_log import FrameLog
 from ..study.comparison import Comparison
 from .blocks import Section
@@ -17,6 +18,7 @@ SECTIONS = (
     "tradeoffs",
     "along_the_trace",
     "flicker",
+    "object_levels",
     "worst_moments",
     "cost_breakdown",
     "predictions",
@@ -33,7 +35,9 @@ _DRAWN_AT_FIRST = 6
 """Policies, the first of the ranking, that charts show until a reader asks for more."""
 
 
-def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
+def render_report(
+    comparison: Comparison, logs: dict[str, FrameLog], scene: Scene | None = None
+) -> str:
     """Return the HTML of a comparison; the same comparison gives the same bytes.
 
     Parameters
@@ -41,8 +45,10 @@ def render_report(comparison: Comparison, logs: dict[str, FrameLog]) -> str:
     comparison : Comparison
     logs : dict of str to FrameLog
         By label, of every policy with status ok.
+    scene : Scene or None
+        By which the nodes are named whose levels the logs keep.
     """
-    results = Results(comparison, logs, inks(comparison))
+    results = Results(comparison, logs, inks(comparison), scene)
     return render_page(
         f"Which policy keeps {comparison.budget_ms:.4g} ms?",
         results.words(describe_run(comparison)),

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ...models.scene.scene import Scene
 from ...sim.frame_log import FrameLog
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult
@@ -20,11 +21,14 @@ class Results:
     Attributes
     ----------
     logs, inks : by label
+    scene : Scene or None
+        By which the nodes are named whose levels the logs keep.
     """
 
     comparison: Comparison
     logs: dict[str, FrameLog]
     inks: dict[str, Ink]
+    scene: Scene | None = None
 
     @property
     def drawn(self) -> tuple[PolicyResult, ...]:

@@ -20,7 +20,7 @@ from .summary import (
     unscored,
     words_of,
 )
-from .values import format_value
+from .values import counted, format_value
 
 if TYPE_CHECKING:  # rich is loaded by the command that prints
     from collections.abc import Iterator
@@ -64,7 +64,7 @@ def print_comparison(comparison: Comparison, console: "Console", *, wide: bool) 
 def explain(comparison: Comparison, shown_by: str = "") -> str:
     """Return what ranks, probabilities and intervals mean; `shown_by` says how to see the last."""
     s = comparison.sampling
-    draws = f", {s.draws} draws of the machine" if s.draws else ""
+    draws = f", {counted(s.draws, 'draw')} of the machine" if s.draws else ""
     return (
         f"keeps: probability that work time is within the budget for {1.0 - comparison.miss:.0%} "
         f"of the time on {comparison.population}, and how many of the judged paths were kept; "
@@ -73,8 +73,8 @@ def explain(comparison: Comparison, shown_by: str = "") -> str:
         f"{comparison.visible:g} px), then visible pops, then lag, then work; within the margin of "
         f"{comparison.margin:.0%} they share the rank; beside it: what told it from those "
         "before.\n"
-        f"Intervals{shown_by}: {s.level:.0%}, {comparison.population}; {s.seeds} seeds a path"
-        f"{draws}."
+        f"Intervals{shown_by}: {s.level:.0%}, {comparison.population}; "
+        f"{counted(s.seeds, 'seed')} a path{draws}."
     )
 
 

@@ -28,6 +28,11 @@ def format_span(low: float | None, high: float | None, *, percent: bool = False)
     return f"{format_value(low, percent=percent)} to {format_value(high, percent=percent)}"
 
 
+def counted(number: int, one: str, many: str = "") -> str:
+    """Return a number with the word for what there are so many of; many are `one` and an s."""
+    return f"{number:,} {one if number == 1 else many or f'{one}s'}"
+
+
 def metric_words(metric: Metric) -> str:
     """Return a metric's id as words, without its unit."""
     return " ".join(word for word in metric.id.split("_") if word != metric.unit)

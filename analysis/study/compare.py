@@ -175,7 +175,7 @@ def compare(
         for place in replays
         if place.logged and (log := replays[place].log) is not None
     }
-    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))))
+    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))), scene)
 
 
 def compared_policies() -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from ..verdict.verdict import Verdict
 from .code_hash import code_hash
 from .comparison import Comparison
 from .comparison_parts import Conditions, Provenance, Sampling, UnitCosts
+from .field_of_view import whose_field_of_view
 from .replays import Bench
 
 
@@ -42,7 +43,7 @@ def make_comparison(
         population=population,
         visible=options.visible_px,
         margin=margin,
-        conditions=_conditions(bench, scene, hardware),
+        conditions=_conditions(bench, scene, paths, hardware),
         sampling=sampling,
         warnings=verdict.warnings,
         answer=verdict.answer,
@@ -95,7 +96,9 @@ def _unit_costs(hardware: HardwareProfile) -> UnitCosts:
     return UnitCosts(gpu, cpu)
 
 
-def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Conditions:
+def _conditions(
+    bench: Bench, scene: Scene, paths: Sequence[CameraTrace], hardware: HardwareProfile
+) -> Conditions:
     options, display = bench.options, hardware.display
     return Conditions(
         display=display.mode,
@@ -111,4 +114,5 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         nodes=len(scene),
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
+        fovy_of=whose_field_of_view(paths, options.fovy_deg),
     )

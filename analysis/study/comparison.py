@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ...base.files.strict_json import read_json
 from ...base.html_table import html_table
+from ...base.reader_guard import guarded
 from ..metrics.metric_registry import METRICS
 from ..metrics.worst_moment import Moment
 from .comparison_parts import (
@@ -168,4 +169,5 @@ def read_comparison(path: Path) -> Comparison:
     Raises `InputError` if the file is missing or holds no such record.
     """
     advice = "give a folder that `lodbench compare --out` wrote, or run it again"
-    return read_json(path, Comparison, SCHEMA, advice)
+    with guarded(path, "a comparison", advice):
+        return read_json(path, Comparison, SCHEMA, advice)

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ...base.content_hash import hash_bytes
-from ...base.errors import InputError
+from ...base.errors import InputError, about_file
 from ...base.files.strict_json import encode_record, read_json
 from ...base.files.whole_file import write_whole
 from ...base.files.whole_folder import require_replaceable, whole_folder
+from ...models.scene.scene import Scene
+from ...models.scene.scene_file import read_scene, write_scene
 from ...sim.frame_log import FrameLog
 from ...sim.frame_log_file import read_frame_log, write_frame_log
 from ..report.render import render_report
@@ -21,15 +23,15 @@ if TYPE_CHECKING:
 
     from .results.run_info import Stopwatch
 
-COMPARISON, RUNS = "comparison.json", "runs.parquet"
-"""Names of the record and of all runs in such a folder."""
+COMPARISON, RUNS, SCENE = "comparison.json", "runs.parquet", "scene.lodscene"
+"""Names of the record, of all runs and of the scene without its meshes in such a folder."""
 
 _REPORT, _FRAMES, _STUDY = "report.html", "frames", "study.json"
 _INFO = "run-info.json"
 _STUDY_SCHEMA = "lodbench.comparison-folder/1"
 
 OURS = (
-    r"report\.html|comparison\.json|runs\.parquet|study\.json|run-info\.json"
+    r"report\.html|comparison\.json|runs\.parquet|scene\.lodscene|study\.json|run-info\.json"
     r"|frames(/.*\.parquet)?"
 )
 """The names in such a folder."""
@@ -46,11 +48,14 @@ class Compared:
         Of every scored policy on the first path, by label.
     runs : pa.Table or None
         A row for each replay, see `Replays.to_table`.
+    scene : Scene or None
+        Whose nodes the logs keep the levels of.
     """
 
     comparison: Comparison
     logs: dict[str, FrameLog]
     runs: "pa.Table | None"
+    scene: Scene | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +124,9 @@ def write_results(
         (partial / COMPARISON).write_bytes(encode_record(compared.comparison))
         if compared.runs is not None:
             write_runs(partial / RUNS, compared.runs)
-        page = render_report(compared.comparison, compared.logs)
+        if compared.scene is not None:
+            write_scene(partial / SCENE, compared.scene, ())
+        page = render_report(compared.comparison, compared.logs, compared.scene)
         (partial / _REPORT).write_text(page, encoding="utf-8")
         if study is not None:
             (partial / _STUDY).write_bytes(encode_record(Study(study, _hash_files(partial))))
@@ -164,7 +171,13 @@ def read_results(folder: Path) -> Compared:
                 path=folder / _FRAMES / names[policy.label],
             )
     runs = read_runs(folder / RUNS) if (folder / RUNS).exists() else None
-    return Compared(comparison, logs, runs)
+    scene = read_scene(folder / SCENE) if (folder / SCENE).exists() else None
+    if scene is not None:
+        for label, log in logs.items():
+            with about_file(folder / _FRAMES / names[label]):
+                if log.levels is not None:
+                    log.levels.require_nodes(scene)
+    return Compared(comparison, logs, runs, scene)
 
 
 def rewrite_report(folder: Path) -> Path:
@@ -177,5 +190,5 @@ def rewrite_report(folder: Path) -> Path:
     """
     compared = read_results(folder)
     target = folder / _REPORT
-    write_whole(target, render_report(compared.comparison, compared.logs))
+    write_whole(target, render_report(compared.comparison, compared.logs, compared.scene))
     return target

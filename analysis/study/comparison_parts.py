@@ -140,7 +140,13 @@ class PolicyResult:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """Under which conditions the replays ran, beside scene, paths and hardware."""
+    """Under which conditions the replays ran, beside scene, paths and hardware.
+
+    Attributes
+    ----------
+    fovy_of : str
+        How the field of view stands to what the paths state; empty where none states one.
+    """
 
     display: str
     refresh_hz: float
@@ -155,6 +161,7 @@ class Conditions:
     nodes: int
     hardware_source: str
     hardware_assumed: bool
+    fovy_of: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,7 +59,7 @@ class Place:
     draw : int or None
         Draw of the machine; None for its mean.
     logged : bool
-        Whether its frame log is wanted.
+        Whether its frame log is wanted, with the level of each node over time.
     """
 
     policy: str
@@ -125,6 +125,7 @@ class Bench:
             self.warmup_s,
             self.miss,
             keeps_log=place.logged,
+            keeps_levels=place.logged,
         )
 
 

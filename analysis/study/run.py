@@ -33,6 +33,8 @@ class Run:
         Share of time for which the budget may be exceeded.
     keeps_log : bool
         Whether the result has the frame log.
+    keeps_levels : bool
+        Whether that tells at which level each node was drawn.
     """
 
     policy: PolicySpec
@@ -43,6 +45,7 @@ class Run:
     warmup_s: float
     miss: float = MISS
     keeps_log: bool = False
+    keeps_levels: bool = False
 
     result_type: ClassVar[Any] = Scored
 
@@ -65,7 +68,7 @@ class Run:
             self.trace,
             self.hardware,
             repr(self.options),
-            repr((self.warmup_s, self.miss, self.keeps_log)),
+            repr((self.warmup_s, self.miss, self.keeps_log, self.keeps_levels)),
         )
         digest = hashlib.blake2b("\n".join(named).encode(), digest_size=SIZE_BYTES)
         return digest.hexdigest()
@@ -80,4 +83,10 @@ class Run:
             self.warmup_s,
             self.miss,
         )
-        return score(world, self.policy, keeps_log=self.keeps_log, beat=beat)
+        return score(
+            world,
+            self.policy,
+            keeps_log=self.keeps_log,
+            beat=beat,
+            keeps_levels=self.keeps_levels,
+        )

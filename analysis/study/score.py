@@ -100,7 +100,9 @@ def make_fit(spec: PolicySpec, scene: Scene) -> Policy:
     return policy
 
 
-def score(world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat) -> Scored:
+def score(
+    world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat, keeps_levels: bool = False
+) -> Scored:
     """Replay and score (see `Run`); the same arguments give the same result in any process.
 
     Raises
@@ -120,6 +122,7 @@ def score(world: World, spec: PolicySpec, *, keeps_log: bool, beat: Beat) -> Sco
         world.options,
         name=spec.label,
         beat=beat,
+        keeps_levels=keeps_levels,
     )
     frames = measure(log, world.trace, world.warmup_s)
     values = {metric.id: metric(frames) for metric in METRICS}

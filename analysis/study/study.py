@@ -68,7 +68,9 @@ class Study:
     draws
         Draws of the machine that play the truth, None for the profile's mean; or a
         number of them, evenly spaced (the mean where a profile has none, or the number is 0).
-    fovy_deg, crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
+    fovy_deg
+        Vertical field of view; None for what each path states, or 60.
+    crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
         As `ReplayOptions` has them.
     display, refresh_hz, frames_in_flight, pacing, latency_limit
         Mode and rate of the display, frames between CPU and GPU, and what frames wait for before
@@ -100,7 +102,7 @@ class Study:
         budget_ms: float | Sequence[float | None] | None = None,
         seeds: int | Sequence[int] = 1,
         draws: int | Sequence[int | None] = 0,
-        fovy_deg: float | Sequence[float] = 60.0,
+        fovy_deg: float | Sequence[float | None] | None = None,
         crossfade_ms: float | Sequence[float] = 0.0,
         measurement_delay: int | Sequence[int] = 0,
         faults: Faults | Sequence[Faults] | None = None,

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, about_file
+from ..errors import InputError
+from ..reader_guard import guarded
 from .whole_file import whole_file
 
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -50,9 +51,10 @@ def write_archive(
 def open_archive(path: Path) -> Generator["ArrayArchive"]:
     """Open an archive for reading; an InputError of the block is about this file.
 
-    Raises `InputError` if the file is missing, not such an archive, or too large.
+    Raises `InputError` if the file is missing, not such an archive, or too large, and for whatever
+    the block raises (`guarded`).
     """
-    with about_file(path):
+    with guarded(path, "an archive of arrays", "build the file anew"):
         if not path.is_file():
             raise _error("a file", "no such file")
         size = path.stat().st_size

@@ -101,6 +101,23 @@ class ParquetColumns:
             raise InputError(f"{message}; {self._advice}", path=self._path)
         return column.to_numpy()
 
+    def lists(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return the lists of integers of the first rows, up to the first that has none.
+
+        They are where each begins among all, (n + 1,), and all of them.  Raises as `whole_numbers`.
+        """
+        import pyarrow as pa
+
+        column = self._read(name, pa.list_(pa.int64())).combine_chunks()
+        missing = np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))
+        column = column[: int(missing[0]) if len(missing) else len(column)]
+        values = column.flatten()
+        if values.null_count:
+            message = f"expected whole numbers in the lists of {name}, got none in some"
+            raise InputError(f"{message}; {self._advice}", path=self._path)
+        lengths = column.value_lengths().to_numpy(zero_copy_only=False)
+        return np.concatenate(([0], np.cumsum(lengths, dtype=np.int64))), values.to_numpy()
+
     def _read(self, name: str, kind: Any) -> Any:
         try:
             # Threads save nothing here, and at the end of the process Arrow's may still run.

@@ -35,7 +35,10 @@ BudgetMs = Annotated[float | None, Option(help=_OR_REFRESH)]
 Seconds = Annotated[
     str, Option(metavar="A:B", help="Stretch of the path to replay, such as 5:20, 5: or :20.")
 ]
-FovyDeg = Annotated[float, Option(help="Vertical field of view.")]
+FovyDeg = Annotated[
+    float | None,
+    Option(help="Vertical field of view; else what the path's file states, or 60."),
+]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
 Pacing = Annotated[
     str | None,

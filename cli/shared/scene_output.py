@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # numpy is loaded by the command that needs it
     from ...models.scene.scene_file import SceneOrigin
 
 _MOST_TYPES = 64  # in a table; --json has them all
-_READERS = ("3d-tiles", "gltf")
+_READERS = ("3d-tiles", "gltf", "usd")
 
 
 def check_output(out: Path, suffix: str) -> None:
@@ -88,7 +88,9 @@ def _print(record: dict[str, Any]) -> None:
     settings = record["origin"]["options"]
     if record["origin"]["tool"] in _READERS:  # what was read, and what was not
         line = ", ".join(f"{key.replace('_', ' ')}: {settings[key]}" for key in settings)
-        console.print(line, highlight=False, soft_wrap=True)
+        console.print(
+            line, highlight=False, soft_wrap=True, markup=False
+        )  # names of files are in it
 
 
 def _depth_table(record: dict[str, Any]) -> "Table":

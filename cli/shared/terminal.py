@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ...base.errors import InputError
@@ -11,6 +11,7 @@ if TYPE_CHECKING:  # numpy and rich are loaded by the command that needs them
     from rich.console import Console
 
     from ...models.scene.scene_catalog import OpenedScene
+    from ...traces.cameras.camera_trace import CameraTrace
 
 
 def open_named_scene(spec: str) -> "OpenedScene":
@@ -24,6 +25,14 @@ def open_named_scene(spec: str) -> "OpenedScene":
         return open_scene(spec)
     with console.status(f"opening {spec}; bundled scenes are made the first time"):
         return open_scene(spec)
+
+
+def tell_field_of_view(paths: "Sequence[CameraTrace]", fovy_deg: float) -> None:
+    """Say on stderr what field of view is taken, if a path states one."""
+    from ...analysis.study.field_of_view import whose_field_of_view
+
+    if whose := whose_field_of_view(paths, fovy_deg):
+        print(f"note: field of view of {fovy_deg:.4g} degrees, {whose}", file=sys.stderr)
 
 
 def failure_of(write: Callable[[], object]) -> InputError | OSError | None:

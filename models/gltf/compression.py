@@ -17,7 +17,7 @@ from ...base.errors import InputError
 from .gltf_schema import MeshoptView
 
 DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
-_MOST_ELEMENTS = 50_000_000
+_MOST_BYTES = 1 << 28  # of a buffer view once decoded
 
 
 def _decoder(module: str, extension: str, extra: str) -> Any:
@@ -67,8 +67,9 @@ def decode_meshopt(data: bytes, view: MeshoptView) -> bytes:
     """
     decoder = _decoder("meshoptimizer", MESHOPT, "meshopt")
     stride, count = view.byte_stride, view.count
-    if not (0 < stride <= 256 and 0 < count <= _MOST_ELEMENTS):
-        raise InputError(f"{MESHOPT}: expected elements of 1 to 256 bytes, got {count} of {stride}")
+    if not (0 < stride <= 256 and 0 < count <= _MOST_BYTES // stride):
+        expected = f"elements of 1 to 256 bytes, {_MOST_BYTES:,} in all"
+        raise InputError(f"{MESHOPT}: expected {expected}, got {count} of {stride}")
     raw = np.frombuffer(data, np.uint8)
     try:
         if view.mode == "ATTRIBUTES":

@@ -17,7 +17,12 @@ from .compression import decode_draco, decode_meshopt
 from .gltf_schema import Accessor, Document, Primitive, Sparse, pick
 
 MAX_FILE_BYTES = 1 << 30
-_MAX_ELEMENTS = 100_000_000
+_MOST_NUMBERS = 100_000_000
+"""Of all accessors that are read, however small the file: several may share its bytes."""
+
+_MOST_ZEROS = 1_000_000
+"""Elements of an accessor without bytes, of which a file may claim any number."""
+
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
@@ -33,6 +38,12 @@ class Gltf:
         self.document, self._binary, self._folder = document, binary, folder
         self._buffers: dict[int, bytes] = {}
         self._views: dict[int, bytes] = {}
+        self._room = _MOST_NUMBERS
+
+    def require_room(self) -> None:
+        """Raise `InputError` if all accessors together, read by others, would take too much."""
+        for number, accessor in enumerate(self.document.accessors):
+            self._take(number, accessor, _SIZES.get(accessor.type, 16))
 
     def points(self, part: Primitive) -> tuple[FloatArray, NDArray[np.int64], FloatArray | None]:
         """Return positions (n, 3), corners of its primitives, and texture coordinates (n, 2).
@@ -69,8 +80,7 @@ class Gltf:
         kind, size = _COMPONENTS.get(accessor.component_type), _SIZES.get(accessor.type)
         if not kind or not size:
             raise InputError(f"accessor {number}: expected numbers or vectors, got another type")
-        if not 0 < accessor.count <= _MAX_ELEMENTS:
-            raise InputError(f"accessor {number}: expected elements, got {accessor.count}")
+        self._take(number, accessor, size)
         if accessor.buffer_view is None:
             raw: NDArray[Any] = np.zeros((accessor.count, size), kind)
         else:
@@ -81,6 +91,18 @@ class Gltf:
         if accessor.normalized and raw.dtype.kind in "iu":
             values = np.maximum(values / np.iinfo(raw.dtype).max, -1.0)
         return values
+
+    def _take(self, number: int, accessor: Accessor, size: int) -> None:
+        """Count what an accessor takes, before it is read."""
+        most = _MOST_ZEROS if accessor.buffer_view is None else _MOST_NUMBERS
+        if not 0 < accessor.count <= most:
+            raise InputError(
+                f"accessor {number}: expected 1 to {most:,} elements, got {accessor.count}"
+            )
+        self._room -= accessor.count * size
+        if self._room < 0:
+            message = f"expected at most {_MOST_NUMBERS:,} numbers in accessors, got more"
+            raise InputError(f"{message}; split the file")
 
     def _patched(
         self, raw: NDArray[Any], accessor: Accessor, sparse: Sparse, kind: str, size: int
@@ -135,25 +157,34 @@ class Gltf:
             )
         return data[offset : offset + length]
 
+    def image(self, number: int) -> bytes:
+        """Return the bytes of an image; raises InputError, or `MissingBufferError` without it."""
+        image = pick(self.document.images, number, "images")
+        if image.uri is not None:
+            return self._fetch(image.uri, f"image {number}")
+        if image.buffer_view is None:
+            raise MissingBufferError(f"image {number}: expected a file or a buffer view, got none")
+        return self._view(image.buffer_view)
+
     def _load(self, number: int) -> bytes:
         buffer = pick(self.document.buffers, number, "buffers")
-        if buffer.uri is None:
-            return self._binary
-        head, _, text = buffer.uri.partition(",")
+        return self._binary if buffer.uri is None else self._fetch(buffer.uri, f"buffer {number}")
+
+    def _fetch(self, uri: str, what: str) -> bytes:
+        """Return the bytes that a URI holds, or the file that it names."""
+        head, _, text = uri.partition(",")
         if head.startswith("data:"):
             try:
                 return base64.b64decode(text, validate=True)
             except ValueError as error:  # binascii's is one; another tells of other than ASCII
-                raise InputError(f"buffer {number}: expected base64, got {error}") from error
+                raise InputError(f"{what}: expected base64, got {error}") from error
         if self._folder is None:
-            raise InputError(f"buffer {number}: expected one inside the file, got {buffer.uri!r}")
-        path = (self._folder / unquote(buffer.uri)).resolve()
+            raise InputError(f"{what}: expected one inside the file, got {uri!r}")
+        path = (self._folder / unquote(uri)).resolve()
         if not path.is_relative_to(self._folder.resolve()):
-            raise InputError(
-                f"buffer {number}: expected a file in the folder of the glTF, got {buffer.uri!r}"
-            )
+            raise InputError(f"{what}: expected a file in the folder of the glTF, got {uri!r}")
         if not path.is_file():
-            raise MissingBufferError("expected a buffer of the glTF, got no such file", path=path)
+            raise MissingBufferError("expected a file of the glTF, got no such file", path=path)
         if (size := path.stat().st_size) > MAX_FILE_BYTES:
             raise InputError(f"expected at most 1 GiB, got {size} bytes", path=path)
         return path.read_bytes()

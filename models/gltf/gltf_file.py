@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
 from ...base.files.strict_json import decode_json
+from ...base.reader_guard import guarded
 from .gltf_accessors import MAX_FILE_BYTES, Gltf
 from .gltf_schema import Document
 
@@ -21,8 +22,8 @@ def read_gltf(path: Path) -> Gltf:
 
     Raises `InputError` if it is missing, damaged, too large, or not glTF 2.0.
     """
-    data = _read(path)
-    with about_file(path):
+    with guarded(path, "a glTF 2.0 file", "export it again"):
+        data = _read(path)
         document, binary = parse_glb(data) if data[:4] == b"glTF" else (parse_gltf(data), b"")
         return Gltf(document, binary, path.parent)
 

@@ -1,8 +1,9 @@
 """glTF 2.0 files as flat scenes whose objects have the levels that ``MSFT_lod`` gives them.
 
-An object is a node with a mesh, or a node with ``MSFT_lod`` and all below it.  Objects of equal
-meshes, turned and scaled alike, share a type.  Levels of materials, skins, morphs and animations
-are not read.  Microsoft, "MSFT_lod", vendor extension of glTF 2.0.
+An object is a node with a mesh, or a node with ``MSFT_lod`` and all below it; siblings named as
+levels are one too.  Objects of equal meshes, turned and scaled alike, share a type.  Levels of
+materials, skins, morphs and animations are not read.  Microsoft, "MSFT_lod", vendor extension of
+glTF 2.0.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..meshes.geometry import Geometry
 from ..meshes.mesh_error import Sampling
 from ..meshes.surface_mesh import MeshPart, SurfaceMesh, clean_surface
@@ -24,6 +26,8 @@ from .gltf_counted import counted_types
 from .gltf_file import read_gltf
 from .gltf_objects import Key, Placed, Thing, find_objects
 from .gltf_schema import TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, pick
+from .gltf_textures import Textures
+from .named_levels import join_named_levels
 
 _Y_UP = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))  # glTF's axes as ours
 
@@ -39,7 +43,8 @@ def read_gltf_scene(
     is compressed and there is no decoder; or if the levels of a node are not ever coarser.
     """
     gltf = read_gltf(path)
-    with about_file(path), np.errstate(over="ignore", invalid="ignore"):
+    with guarded(path, "a glTF 2.0 file with meshes", "export it again"):
+        gltf.document = join_named_levels(gltf.document)
         return _read(gltf, path, sampling or Sampling())
 
 
@@ -57,35 +62,44 @@ def _read(gltf: Gltf, path: Path, sampling: Sampling) -> tuple[Scene, Geometry, 
         "objects_with_levels": sum(len(thing.levels) > 1 for thing in objects)
     }
     geometry: Geometry = ()
+    textures = Textures(gltf)
     try:
-        types, geometry = gather_types([_model(gltf, thing, sampling) for thing in first])
+        models = [_model(gltf, textures, thing, sampling) for thing in first]
+        types, geometry = gather_types(models)
     except MissingBufferError as missing:
         types = counted_types(gltf.document, first, _Y_UP)
         about["buffer_missing"] = f"{Path(missing.path or '').name}, so boxes in place of meshes"
+    if textures.unmeasured:
+        about["textures_not_counted"] = ", ".join(sorted(textures.unmeasured))[:200]
     type_index = np.array([kinds[thing.key] for thing in objects])
     position = np.stack([_Y_UP @ thing.transform[:3, 3] for thing in objects])
     scene = Scene.of(path.stem, types, type_index, position)
     return scene, geometry, SceneOrigin("gltf", (path.name,), about)
 
 
-def _model(gltf: Gltf, thing: Thing, sampling: Sampling) -> TypeModel:
+def _model(gltf: Gltf, textures: Textures, thing: Thing, sampling: Sampling) -> TypeModel:
     """Return a type whose frame has the turn and the scale of the object."""
     linear = _Y_UP @ thing.transform[:3, :3]
-    surfaces = [_surface(gltf, thing.name, level, linear) for level in thing.levels]
+    surfaces = [_surface(gltf, textures, thing.name, level, linear) for level in thing.levels]
     if not surfaces:
         raise InputError(f"{thing.name}: expected a mesh in its levels, got none")
     return measure_levels(surfaces, sampling)
 
 
-def _surface(gltf: Gltf, name: str, level: Sequence[Placed], linear: FloatArray) -> SurfaceMesh:
-    parts = [
-        part for placed in level for part in _parts(gltf, placed, linear @ placed.transform[:3])
-    ]
-    return clean_surface(name, parts)
+def _surface(
+    gltf: Gltf, textures: Textures, name: str, level: Sequence[Placed], linear: FloatArray
+) -> SurfaceMesh:
+    parts: list[MeshPart] = []
+    materials: set[int | None] = set()
+    for placed in level:
+        parts += place_parts(gltf, placed, linear @ placed.transform[:3])
+        primitives = pick(gltf.document.meshes, placed.mesh, "meshes").primitives
+        materials.update(primitive.material for primitive in primitives)
+    return clean_surface(name, parts, texture_bytes=textures.bytes_of(materials))
 
 
-def _parts(gltf: Gltf, placed: Placed, matrix: FloatArray) -> Iterator[MeshPart]:
-    """Yield the triangles of a mesh, placed by a (3, 4) matrix."""
+def place_parts(gltf: Gltf, placed: Placed, matrix: FloatArray) -> Iterator[MeshPart]:
+    """Yield the triangles of a mesh, placed by a (3, 4) matrix; raises as `Gltf.points`."""
     document = gltf.document
     for primitive in pick(document.meshes, placed.mesh, "meshes").primitives:
         if "POSITION" not in primitive.attributes:

@@ -18,16 +18,56 @@ class _Struct(msgspec.Struct, frozen=True, rename="camel"):
     """Members that are not named here are skipped."""
 
 
-class _Present(_Struct, frozen=True):
-    """An object of which only the presence matters."""
+class _TextureInfo(_Struct, frozen=True):
+    index: int = 0
 
 
-class _Lod(_Struct, frozen=True):
+class _Source(_Struct, frozen=True):
+    source: int | None = None
+
+
+class _TextureExtensions(msgspec.Struct, frozen=True):
+    basisu: _Source = msgspec.field(name="KHR_texture_basisu", default=_Source())
+    webp: _Source = msgspec.field(name="EXT_texture_webp", default=_Source())
+
+
+class Texture(_Struct, frozen=True):
+    """An image as it is sampled; extensions name one that stands in for it."""
+
+    source: int | None = None
+    extensions: _TextureExtensions = _TextureExtensions()
+
+    @property
+    def image(self) -> int | None:
+        """The image that a renderer shows that knows the extensions."""
+        sources = (self.extensions.basisu.source, self.extensions.webp.source, self.source)
+        return next((source for source in sources if source is not None), None)
+
+
+class Image(_Struct, frozen=True):
+    """An image, in a file of its own or in a buffer view."""
+
+    uri: str | None = None
+    buffer_view: int | None = None
+    mime_type: str = ""
+    name: str = ""
+
+    @property
+    def is_ktx2(self) -> bool:
+        """Whether the document says that it is KTX2."""
+        return self.mime_type == "image/ktx2" or (self.uri or "").lower().endswith(".ktx2")
+
+
+class Lod(_Struct, frozen=True):
+    """Nodes of coarser levels."""
+
     ids: list[int]
 
 
-class _NodeExtensions(msgspec.Struct, frozen=True):
-    MSFT_lod: _Lod | None = None
+class NodeExtensions(msgspec.Struct, frozen=True):
+    """What extensions say of a node."""
+
+    MSFT_lod: Lod | None = None
 
 
 class Node(_Struct, frozen=True):
@@ -39,7 +79,7 @@ class Node(_Struct, frozen=True):
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    extensions: _NodeExtensions = _NodeExtensions()
+    extensions: NodeExtensions = NodeExtensions()
     name: str = ""
 
     @property
@@ -138,11 +178,15 @@ class Buffer(_Struct, frozen=True):
 
 
 class _Pbr(_Struct, frozen=True):
-    base_color_texture: _Present | None = None
+    base_color_texture: _TextureInfo | None = None
+    metallic_roughness_texture: _TextureInfo | None = None
 
 
 class _Material(_Struct, frozen=True):
     pbr_metallic_roughness: _Pbr = _Pbr()
+    normal_texture: _TextureInfo | None = None
+    occlusion_texture: _TextureInfo | None = None
+    emissive_texture: _TextureInfo | None = None
 
 
 class _Scene(_Struct, frozen=True):
@@ -167,6 +211,8 @@ class Document(_Struct, frozen=True):
     buffer_views: list[View] = []
     buffers: list[Buffer] = []
     materials: list[_Material] = []
+    textures: list[Texture] = []
+    images: list[Image] = []
 
     def roots(self) -> list[int]:
         """Return the root nodes of the default scene, or of the first one."""
@@ -182,6 +228,30 @@ class Document(_Struct, frozen=True):
             return False
         surface = pick(self.materials, material, "materials")
         return surface.pbr_metallic_roughness.base_color_texture is not None
+
+    def images_of(self, material: int | None) -> set[int]:
+        """Return the images that a material shows; raises InputError on an index out of range."""
+        if material is None:
+            return set()
+        surface = pick(self.materials, material, "materials")
+        pbr = surface.pbr_metallic_roughness
+        shown = (
+            *(pbr.base_color_texture, pbr.metallic_roughness_texture, surface.normal_texture),
+            *(surface.occlusion_texture, surface.emissive_texture),
+        )
+        found = {pick(self.textures, info.index, "textures").image for info in shown if info}
+        return {image for image in found if image is not None}
+
+    def has_ktx2(self) -> bool:
+        """Return whether the document says that an image is KTX2."""
+        named = any(texture.extensions.basisu.source is not None for texture in self.textures)
+        return named or any(image.is_ktx2 for image in self.images)
+
+    def image_name(self, number: int) -> str:
+        """Return what an image is called: its file, its name, or its number."""
+        image = pick(self.images, number, "images")
+        file = image.uri if image.uri and not image.uri.startswith("data:") else ""
+        return (file or image.name or f"image {number}")[-80:]
 
     def walk(self, roots: list[int]) -> Iterator[int]:
         """Yield nodes at and below the roots, parents first; raises InputError on a cycle."""

@@ -19,13 +19,17 @@ from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
 from ...base.files.strict_json import decode_json
 from ...base.files.text_file import read_text
+from ...base.foreign_text import one_line
 from ...base.nearest_names import unknown_name
+from ...base.reader_guard import guarded
 
 _PLACE, _TURN = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 _LISTS = {"position": _PLACE, "rotation": _TURN}
 _OTHERS = ("yaw_deg", "scale", "importance")
 _NAMES = ("type", "mesh", "name")
+_KNOWN = {*_NAMES, *_PLACE, *_TURN, *_OTHERS}
 _MOST = 10_000_000
+_MOST_UNUSED = 50
 _NORM = 0.1
 
 
@@ -45,6 +49,8 @@ class Placements:
     turn_xyzw : (n, 4)
         Unit quaternions.
     scale, importance : (n,)
+    unused : tuple of str
+        Columns, or keys of records, of which nothing is known.
     """
 
     type_index: IntArray
@@ -52,6 +58,7 @@ class Placements:
     turn_xyzw: FloatArray
     scale: FloatArray
     importance: FloatArray
+    unused: tuple[str, ...] = ()
 
 
 def read_placements(
@@ -69,13 +76,21 @@ def read_placements(
     y_up, unit_m
         Axes and unit of the file.
     """
+    with guarded(path, "places of objects", "export them again"):
+        return _read(path, types, y_up=y_up, unit_m=unit_m)
+
+
+def _read(path: Path, types: Sequence[str], *, y_up: bool, unit_m: float) -> Placements:
     kinds: list[int] = []
     rows: list[list[float]] = []
+    unused: dict[str, None] = {}
     for line, record in _records(path):
         if len(rows) >= _MOST:
             raise InputError(f"expected at most {_MOST:,} objects, got more", path=path)
         kinds.append(_kind(record, types, path, line))
         rows.append(_numbers(record, path, line))
+        if len(unused) < _MOST_UNUSED:
+            unused |= dict.fromkeys(name for name in record if name not in _KNOWN)
     if not rows:
         raise InputError("expected an object, got none", path=path)
     table = np.array(rows)
@@ -91,22 +106,27 @@ def read_placements(
         # A quarter turn about x takes y to z; of a quaternion it turns the axis.
         position = position[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
         turn = turn[:, [0, 2, 1, 3]] * (1.0, -1.0, 1.0, 1.0)
-    return Placements(np.array(kinds), position, turn, table[:, 8], table[:, 9])
+    names = tuple(one_line(name, 40) for name in unused)
+    return Placements(np.array(kinds), position, turn, table[:, 8], table[:, 9], names)
 
 
 def _records(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """Yield records with their lines, or of JSON their numbers."""
     text = read_text(path)
     if path.suffix.lower() != ".json":
-        lines = [line for line in text.splitlines() if not line.startswith("#")]
+        # What is between the lines of comments keeps its numbers.
+        told = enumerate(text.splitlines(), start=1)
+        kept = [(number, line) for number, line in told if not line.startswith("#")]
+        numbers, lines = [number for number, _ in kept], [line for _, line in kept]
         reader = csv.DictReader(lines, skipinitialspace=True)
         for record in reader:
+            line = numbers[reader.line_num - 1]
             if record.pop(None, None):  # pyright: ignore[reportArgumentType]
                 message = (
                     f"expected {len(reader.fieldnames or ())} cells as in the header, got more"
                 )
-                raise InputError(f"{message}; correct the row", path=path, line=reader.line_num)
-            yield reader.line_num, {str(k).strip().lower(): v for k, v in record.items()}
+                raise InputError(f"{message}; correct the row", path=path, line=line)
+            yield line, {str(k).strip().lower(): v for k, v in record.items()}
         return
     kind: Any = list[dict[str, Any]] if text.lstrip().startswith("[") else _Instances
     what = "objects with type and place"

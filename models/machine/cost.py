@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, derive, frozen_array, require_finite
-from ...base.errors import InputError
+from ...base.errors import InputError, require_whole
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from .knee import Knee
 
@@ -55,14 +55,19 @@ class CostModel:
         level predictor its geometry side.
     knees : tuple of Knee
         Costs of what a frame counts beyond a total, each of another name.
+    passes : int
+        Cameras that draw what they see one after another: each draws, and is charged, anew.  1
+        also where several draw at once.
     """
 
     base_ms: float
     linear_ms: FloatArray
     roofline_ms: FloatArray
     knees: tuple[Knee, ...] = ()
+    passes: int = 1
 
     def __post_init__(self) -> None:
+        require_whole(self.passes, "passes", 1)
         for name in ("linear_ms", "roofline_ms"):
             derive(self, **{name: _checked(getattr(self, name), GPU_PREDICTORS, name)})
         _require_base(self.base_ms, "base")

@@ -14,7 +14,14 @@ from ...base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
 from .cost import CostModel
 from .cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from .cost_terms.term import NO_CHANGES, Footprint, FrameShape, LevelChanges, ViewTerm
+from .cost_terms.term import (
+    NO_CHANGES,
+    Footprint,
+    Footprints,
+    FrameShape,
+    LevelChanges,
+    ViewTerm,
+)
 from .picture_units import InPicture
 from .price import Load, Price
 
@@ -31,11 +38,20 @@ class _Term(NamedTuple):
     columns: tuple[FloatArray, ...]
 
 
+class _Draws(NamedTuple):
+    """What one camera draws: rows and fractions of its objects, and where these are."""
+
+    row: IntArray
+    fraction: FloatArray | None
+    seen: Footprint
+
+
 class FrameCost:
     """Prices of frames that draw levels of one table, by one cost model.
 
     Rows are those of the level table.  With fractions, (m,), a row stands for what lies so far on
-    the way to the next one.
+    the way to the next one.  Where cameras draw one after another, an object costs as often as it
+    is drawn, and what it costs depends on the view even where no term of the view has a price.
 
     Attributes
     ----------
@@ -88,10 +104,9 @@ class FrameCost:
         self._last_totals: dict[str, float] = {}
         self._last_shape = FrameShape(math.nan, 0)
         self._last_units: dict[str, float] = {}
-        self.linear_in_detail = not any(term.columns for term in self._charged)
-        self.level_by_level = (
-            self.linear_in_detail and not self._has_roofline and not self.model.knees
-        )
+        once = model.passes == 1
+        self.linear_in_detail = once and not any(term.columns for term in self._charged)
+        self.level_by_level = self.linear_in_detail and not self._has_roofline and not model.knees
 
     def _column(self, predictor: str) -> FloatArray:
         return np.ascontiguousarray(self.levels.counts[:, LEVEL_PREDICTORS.index(predictor)])
@@ -99,7 +114,7 @@ class FrameCost:
     def frame(
         self,
         row: IntArray,
-        seen: Footprint,
+        seen: Footprints,
         viewport_px: float,
         *,
         fraction: FloatArray | None = None,
@@ -114,9 +129,9 @@ class FrameCost:
         row, fraction
             (m,) each.
         seen
-            Where the m objects are in the window.
+            Where the m objects are in the window, or in each camera's part of it.
         viewport_px
-            Pixels of the window.
+            Pixels of the window, all cameras' parts together.
         pixel_share
             Pixels of the picture as it is rendered over those of the window.
         load
@@ -124,16 +139,16 @@ class FrameCost:
         changes
             What is new in the frame.
         """
-        load = self.load(row, fraction) if load is None else load
-        if pixel_share != 1.0:
-            seen = InPicture(seen, pixel_share)
+        draws = self._draws(row, fraction, seen, pixel_share)
+        load = load or _total([self.load(each.row, each.fraction) for each in draws])
         shape = FrameShape(pixel_share * viewport_px, load.types, changes, len(row))
         if shape != self._last_shape:
             self._last_shape = shape
             self._last_units = {name: term.count(shape) for name, term, _ in self._frame_terms}
-        counts = self._totals(seen) | self._last_units
+        counts = self._totals(draws) | self._last_units
         for term in self._of_levels:
-            counts[term.name] = float(np.add.reduce(self._units(term, row, fraction, seen)))
+            units = [float(np.add.reduce(self._units(term, *each))) for each in draws]
+            counts[term.name] = sum(units)
         ms, terms_ms = self.model.base_ms + load.level_ms, list[float]()
         for terms in self._summed:
             unit_ms = 0.0
@@ -142,8 +157,9 @@ class FrameCost:
             terms_ms.append(unit_ms)
             ms += unit_ms
         if self._has_roofline:
-            geometry = self._at(self.geometry_ms, row, fraction)
-            ms += float(np.maximum(geometry, self.pixel_ms * seen.area_px).sum())
+            for each in draws:
+                geometry = self._at(self.geometry_ms, each.row, each.fraction)
+                ms += float(np.maximum(geometry, self.pixel_ms * each.seen.area_px).sum())
         for name, each_ms in self._of_changes:
             ms += each_ms * counts[name]
         for knee in self.model.knees:
@@ -161,7 +177,7 @@ class FrameCost:
         return sum(price.terms_ms, self.model.base_ms + level_ms)
 
     def load(self, row: IntArray, fraction: FloatArray | None = None) -> Load:
-        """Return what a frame that draws these rows draws of each level."""
+        """Return what a frame, or one camera of it, that draws these rows draws of each level."""
         # Level by level, as many objects share one.
         times_drawn = self._times_drawn(row, fraction)
         types = int(np.count_nonzero(np.add.reduceat(times_drawn, self._first)))
@@ -188,10 +204,23 @@ class FrameCost:
         units = ((term.unit_ms, term.term.count((), seen)) for term in self._charged)
         return sum([unit_ms * float(np.add.reduce(count)) for unit_ms, count in units])
 
+    def types_drawn(self, kind: IntArray, seen: Footprints) -> int:
+        """Return how many types objects have, (m,), counted anew by each camera that draws."""
+        if self.model.passes == 1:
+            return int(np.count_nonzero(np.bincount(kind)))
+        kinds = (np.bincount(kind[drawn]) for drawn, _ in seen.passes)
+        return sum([int(np.count_nonzero(count)) for count in kinds])
+
+    def draws_of(self, seen: Footprints) -> FloatArray | float:
+        """Return how often each object is drawn, (m,); 1 where nothing is drawn twice."""
+        if self.model.passes == 1:
+            return 1.0
+        return np.add.reduce([drawn for drawn, _ in seen.passes], dtype=np.float64)
+
     def objects_ms(
         self,
         row: IntArray,
-        seen: Footprint,
+        seen: Footprints,
         *,
         fraction: FloatArray | None = None,
         pixel_share: float = 1.0,
@@ -200,7 +229,19 @@ class FrameCost:
 
         Knees are left out: what an object costs beyond one depends on all others of the frame.
         """
-        picture = InPicture(seen, pixel_share, beside=row.ndim == 2)
+        beside = row.ndim == 2
+        if self.model.passes == 1:
+            return self._pass_ms(row, fraction, InPicture(seen, pixel_share, beside=beside))
+        ms = np.zeros(row.shape)
+        for drawn, part in seen.passes:
+            picture = InPicture(part, pixel_share, beside=beside)
+            charged = drawn[:, None] if beside else drawn
+            ms += np.where(charged, self._pass_ms(row, fraction, picture), 0.0)
+        return ms
+
+    def _pass_ms(
+        self, row: IntArray, fraction: FloatArray | None, picture: InPicture
+    ) -> FloatArray:
         ms = self._at(self.level_ms, row, fraction)
         for term in self._charged:
             ms = ms + term.unit_ms * self._units(term, row, fraction, picture)
@@ -210,7 +251,7 @@ class FrameCost:
         return ms
 
     def view_line_above(
-        self, kind: IntArray, seen: Footprint, lowest: FloatArray
+        self, kind: IntArray, seen: Footprints, lowest: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return start and slope over resolution, (m,), of lines above what the view's terms cost.
 
@@ -219,17 +260,37 @@ class FrameCost:
         start, slope = np.zeros((2, len(kind)))
         for _, term, unit_ms, columns in self._charged:
             full = [column[self._first[kind]] for column in columns]
-            above, rise = term.line_above(full, seen, lowest)
-            start, slope = start + unit_ms * above, slope + unit_ms * rise
+            if self.model.passes == 1:
+                above, rise = term.line_above(full, seen, lowest)
+                start, slope = start + unit_ms * above, slope + unit_ms * rise
+                continue
+            for drawn, part in seen.passes:
+                above, rise = term.line_above(full, part, lowest)
+                start, slope = start + drawn * unit_ms * above, slope + drawn * unit_ms * rise
         return start, slope
 
-    def _totals(self, seen: Footprint) -> dict[str, float]:
+    def _draws(
+        self, row: IntArray, fraction: FloatArray | None, seen: Footprints, pixel_share: float
+    ) -> list[_Draws]:
+        """Return what each camera draws that draws by itself."""
+        if self.model.passes == 1:
+            picture = seen if pixel_share == 1.0 else InPicture(seen, pixel_share)
+            return [_Draws(row, fraction, picture)]
+        draws = list[_Draws]()
+        for drawn, part in seen.passes:
+            at = drawn.nonzero()[0]
+            some = None if fraction is None else fraction.take(at)
+            draws.append(_Draws(row.take(at), some, InPicture(part, pixel_share, at=at)))
+        return draws
+
+    def _totals(self, draws: list[_Draws]) -> dict[str, float]:
         """Return the units of the terms that no level decides, over all objects."""
-        if seen is not self._last_seen:
+        if draws[0].seen is not self._last_seen:
             counts = self._uncounted.copy()
             for term in self._of_no_level:
-                counts[term.name] = float(np.add.reduce(term.term.count((), seen)))
-            self._last_seen, self._last_totals = seen, counts
+                units = [float(np.add.reduce(term.term.count((), each.seen))) for each in draws]
+                counts[term.name] = sum(units)
+            self._last_seen, self._last_totals = draws[0].seen, counts
         return self._last_totals
 
     def _units(
@@ -250,6 +311,19 @@ class FrameCost:
         low: Any = np.bincount(row, 1.0 - fraction, count)
         high: Any = np.bincount(np.minimum(row + 1, count - 1), fraction, count)
         return low + high
+
+
+def _total(loads: list[Load]) -> Load:
+    """Return what several cameras draw together; types are set anew by each."""
+    total = loads[0]
+    for load in loads[1:]:
+        total = Load(
+            total.times_drawn + load.times_drawn,
+            [one + other for one, other in zip(total.counts, load.counts, strict=True)],
+            total.level_ms + load.level_ms,
+            total.types + load.types,
+        )
+    return total
 
 
 def _by_unit(model: CostModel) -> list[list[tuple[str, float]]]:

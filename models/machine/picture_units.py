@@ -1,5 +1,8 @@
 """Objects in a picture that is rendered at another size than the window, and what they count."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...base.arrays import FloatArray, IntArray
 from ...base.predictors import LEVEL_PREDICTORS
 from ..scene.levels import LevelTable
@@ -8,13 +11,24 @@ from .cost_terms.term import Footprint
 
 
 class InPicture:
-    """A footprint in a picture of another size, its arrays (m, 1) where levels stand beside."""
+    """A footprint in a picture of another size, its arrays (m, 1) where levels stand beside.
+
+    With `at` only of the objects at some positions.
+    """
 
     __slots__ = ("_at", "_seen", "_share")
 
-    def __init__(self, seen: Footprint, pixel_share: float, *, beside: bool = False) -> None:
+    def __init__(
+        self,
+        seen: Footprint,
+        pixel_share: float,
+        *,
+        beside: bool = False,
+        at: NDArray[np.intp] | None = None,
+    ) -> None:
         self._seen, self._share = seen, pixel_share
-        self._at = (slice(None), None) if beside else (slice(None),)
+        some = slice(None) if at is None else at
+        self._at = (some, None) if beside else (some,)
 
     @property
     def area_px(self) -> FloatArray:

@@ -16,6 +16,7 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.files.strict_toml import TomlDocument, read_toml
 from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ...base.reader_guard import guarded
 from .cost import CostModel, CpuCostModel
 from .hardware import Display, HardwareProfile, Posterior, Provenance
 from .identification import Identification
@@ -78,7 +79,8 @@ def read_profile(path: Path) -> HardwareProfile:
     key, unit or number in it is missing, unknown or out of range; with the line where that is
     known.
     """
-    return _read(read_toml(path, _LARGEST_BYTES, "give a hardware profile in UTF-8"))
+    with guarded(path, "a hardware profile"):
+        return _read(read_toml(path, _LARGEST_BYTES, "give a hardware profile in UTF-8"))
 
 
 def parse_profile(text: str) -> HardwareProfile:

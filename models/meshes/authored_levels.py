@@ -11,7 +11,8 @@ from pathlib import Path
 
 from ...base.errors import InputError
 
-_NAME = re.compile(r"(?P<name>.+?)[ _.-]*lod[ _.-]?(?P<level>\d{1,2})", re.IGNORECASE)
+LEVEL_NAME = re.compile(r"(?P<name>.+?)[ _.-]*lod[ _.-]?(?P<level>\d{1,2})", re.IGNORECASE)
+"""A name with the number of its level, of a file or of a node in one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ def group_levels(paths: Sequence[Path]) -> list[MeshGroup]:
     """
     found: dict[str, list[tuple[int, Path]]] = {}
     for path in paths:
-        match = _NAME.fullmatch(path.stem)
+        match = LEVEL_NAME.fullmatch(path.stem)
         if match is None:
             found[f"{len(found)}:{path.stem}"] = [(0, path)]
         else:
@@ -53,7 +54,7 @@ def group_levels(paths: Sequence[Path]) -> list[MeshGroup]:
                 "file, or rename those that are no levels",
                 path=files[0][1],
             )
-        match = _NAME.fullmatch(files[0][1].stem) if len(files) > 1 else None
+        match = LEVEL_NAME.fullmatch(files[0][1].stem) if len(files) > 1 else None
         name = files[0][1].stem if match is None else match["name"]
         groups.append(MeshGroup(name, tuple(path for _, path in files)))
     return groups

@@ -1,16 +1,21 @@
 """Meshes from files, in any format that trimesh reads."""
 
+import logging
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.foreign_text import describe_error
+from ...base.reader_guard import guarded
+from ..gltf.gltf_file import read_gltf
 from .surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 _MAX_FILE_BYTES = 1 << 30
+_ARCHIVES = {"bz2", "tar.bz2", "tar.gz", "zip"}  # what they inflate to is not known beforehand
+_PACKED = {".bz2", ".gz", ".zip"}
 _TEXTURES = (
     "image",
     "baseColorTexture",
@@ -19,10 +24,11 @@ _TEXTURES = (
     "occlusionTexture",
     "emissiveTexture",
 )
+_SILENT = logging.NullHandler()
+_GLTF = (".glb", ".gltf")
 _TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
 
 
-@np.errstate(all="ignore")  # numbers of damaged files overflow; what comes of them is judged
 def load_mesh(path: Path) -> SurfaceMesh:
     """Read a mesh or a scene of meshes as one surface, in the file's own axes and units.
 
@@ -31,6 +37,17 @@ def load_mesh(path: Path) -> SurfaceMesh:
 
     Raises `InputError` if the file is missing, of no known format, damaged, or holds no triangles.
     """
+    with guarded(path, "a mesh", "export it again"):
+        return _load(path)
+
+
+def _load(path: Path) -> SurfaceMesh:
+    if path.suffix.lower() in _GLTF:
+        from ..gltf.gltf_surface import load_ktx2_surface
+
+        surface = load_ktx2_surface(path)
+        if surface is not None:  # trimesh leaves these textures out, and says nothing
+            return surface
     scene = _parse(path)
     parts: list[MeshPart] = []
     images: dict[int, float] = {}
@@ -47,48 +64,36 @@ def load_mesh(path: Path) -> SurfaceMesh:
     if not parts:
         got = ", ".join(sorted(kinds)) or "an empty scene"
         raise InputError(f"expected a mesh with triangles, got {got}", path=path)
-    with about_file(path):
-        return clean_surface(path.stem, parts, texture_bytes=sum(images.values()))
+    return clean_surface(path.stem, parts, texture_bytes=sum(images.values()))
 
 
 def _parse(path: Path) -> Any:
     import trimesh
 
+    # What it logs about a file would reach stderr where nobody has set up logging.
+    logging.getLogger("trimesh").addHandler(_SILENT)
     if not path.is_file():
         raise InputError("expected a mesh file, got no such file", path=path)
     size = path.stat().st_size
     if not 0 < size <= _MAX_FILE_BYTES:
         raise InputError(f"expected 1 byte to 1 GiB, got {size} bytes", path=path)
-    known = sorted(trimesh.available_formats())
-    if path.suffix.lower().lstrip(".") not in known:
-        raise InputError(
-            f"expected a mesh format ({', '.join(known)}), got '{path.suffix}'", path=path
-        )
+    known = sorted(set(trimesh.available_formats()) - _ARCHIVES)
+    suffix = path.suffix.lower()
+    if suffix.lstrip(".") not in known:
+        message = f"expected a mesh format ({', '.join(known)}), got '{path.suffix}'"
+        advice = "; unpack it" if suffix in _PACKED else ""
+        raise InputError(message + advice, path=path)
+    if suffix in {".gltf", ".glb"}:
+        read_gltf(path).require_room()
     try:
         return trimesh.load_scene(path, process=False)
-    except MemoryError as error:
-        raise InputError("expected a mesh that fits into memory, got more", path=path) from error
-    except Exception as error:
-        if not _is_damage(error):
-            raise
-        reason = " ".join(str(error).split()) or type(error).__name__
+    except (MemoryError, RecursionError, ImportError, OSError):
+        raise
+    except Exception as error:  # each parser of trimesh fails in its own way
+        reason = describe_error(error)[:120]
         raise InputError(
-            f"expected a readable {path.suffix} mesh, got a damaged one ({reason[:120]})", path=path
+            f"expected a readable {path.suffix} mesh, got a damaged one ({reason})", path=path
         ) from error
-
-
-def _is_damage(error: Exception) -> bool:
-    """Whether a parser stumbled over the file, and not over a wrong call or installation.
-
-    Each parser of trimesh fails in its own way: a TypeError may be a text where the file should
-    have a number.  So what tells is where it was raised: below trimesh, and not because a module is
-    missing or lacks a name.
-    """
-    trace = error.__traceback__
-    inner = trace.tb_next if trace else None
-    parser = inner.tb_frame.f_globals.get("__name__", "") if inner else ""
-    lacks = isinstance(error, ImportError) or isinstance(getattr(error, "obj", None), ModuleType)
-    return parser.partition(".")[0] == "trimesh" and not lacks
 
 
 def _material_id(shape: Any) -> int:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.errors import InputError, about_file
+from ...base.errors import InputError
+from ...base.reader_guard import guarded
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from .authored_levels import MeshGroup
 from .mesh_error import Sampling
@@ -14,6 +15,8 @@ from .mesh_file import load_mesh
 from .simplify import ChainOptions, build_chain
 from .surface_mesh import Stand, SurfaceMesh
 from .type_model import TypeModel, measure_levels
+
+_WHAT, _ADVICE = "a mesh of which levels can be made", "look at it in a modelling tool"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,7 @@ class MeshUnits:
 def read_surface(path: Path, units: MeshUnits) -> SurfaceMesh:
     """Return the mesh of a file in metres, z up, standing on the ground; raises InputError."""
     mesh = load_mesh(path)
-    with about_file(path):
+    with guarded(path, _WHAT, _ADVICE):
         return mesh.at(_stand(mesh, units))
 
 
@@ -79,21 +82,26 @@ def read_types(
     detail : a chain of discrete levels, or the knots of a continuous type, of single files
     """
     for group in groups:
-        if len(group.paths) > 1:
-            yield _authored(group, units, sampling)
-            continue
-        standing = read_surface(next(iter(group.paths)), units)
-        if isinstance(detail, ChainOptions):
-            yield build_chain(standing, detail, sampling)
-        else:
-            surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)
-            yield build_continuous(surface, detail, sampling)
+        with guarded(group.paths[0], _WHAT, _ADVICE):
+            model = _read_type(group, units, detail, sampling)
+        yield model
+
+
+def _read_type(
+    group: MeshGroup, units: MeshUnits, detail: ChainOptions | KnotOptions, sampling: Sampling
+) -> TypeModel:
+    if len(group.paths) > 1:
+        return _authored(group, units, sampling)
+    standing = read_surface(group.paths[0], units)
+    if isinstance(detail, ChainOptions):
+        return build_chain(standing, detail, sampling)
+    surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)
+    return build_continuous(surface, detail, sampling)
 
 
 def _authored(group: MeshGroup, units: MeshUnits, sampling: Sampling) -> TypeModel:
     meshes = [load_mesh(path) for path in group.paths]
-    with about_file(group.paths[0]):
-        stand = _stand(meshes[0], units)
+    stand = _stand(meshes[0], units)
     levels = [replace(mesh.at(stand), name=group.name) for mesh in meshes]
     for path, finer, coarser in zip(group.paths[1:], levels, levels[1:], strict=False):
         if len(coarser.faces) >= len(finer.faces):

@@ -87,10 +87,11 @@ def gather_types(models: Sequence[TypeModel]) -> tuple[ObjectTypes, Geometry]:
 
 
 def _numbered(names: Sequence[str]) -> tuple[str, ...]:
-    result: list[str] = []
+    result: dict[str, None] = {}
+    following: dict[str, int] = {}  # those below are taken, and stay so
     for name in names:
-        new, number = name, 2
+        new, number = name, following.get(name, 2)
         while new in result:
             new, number = f"{name}-{number}", number + 1
-        result.append(new)
+        result[new], following[name] = None, number
     return tuple(result)

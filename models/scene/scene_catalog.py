@@ -1,4 +1,4 @@
-"""Scenes by name or by file: the bundled ones, scene files, 3D Tiles tilesets and glTF."""
+"""Scenes by name or by file: the bundled ones, scene files, 3D Tiles tilesets, glTF and USD."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +15,8 @@ from .scene_file import SceneOrigin, read_geometry, read_origin, read_scene
 
 _MESHES = (".obj", ".ply", ".stl", ".off", ".dae", ".3mf")
 """Suffixes of files that hold meshes and no scene."""
+
+_USD = (".usd", ".usda", ".usdc", ".usdz")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +55,8 @@ def open_scene(spec: str) -> OpenedScene:
     """Open the bundled scene of that name, or the file of that path.
 
     Bundled scenes are made the first time and kept in `scene_cache.cache_folder`.
-    ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, anything else is a scene
-    file.
+    ``.json`` is a 3D Tiles tileset, ``.gltf`` and ``.glb`` are glTF 2.0, ``.usd`` and its kin USD,
+    anything else is a scene file.
 
     Raises `InputError` if there is neither, with the nearest bundled name, or if the file is not a
     scene.
@@ -74,6 +76,11 @@ def open_scene(spec: str) -> OpenedScene:
 
         scene, meshes, origin = read_gltf_scene(path)
         return OpenedScene(scene, origin, lambda: meshes)
+    if suffix in _USD:
+        from ..usd.usd_scene import read_usd_scene
+
+        scene, meshes, origin = read_usd_scene(path)
+        return OpenedScene(scene, origin, lambda: meshes)
     if suffix in _MESHES and is_file(path):
         message = (
             f"expected a scene, got a mesh; lodbench scene build {path.name} --out NAME{SUFFIX}"
@@ -82,5 +89,5 @@ def open_scene(spec: str) -> OpenedScene:
     if suffix == SUFFIX or is_file(path):
         return OpenedScene(read_scene(path), read_origin(path), lambda: read_geometry(path))
     names = list_bundled_scenes()
-    files = f"a file ({SUFFIX}, tileset.json, .gltf, .glb)"
+    files = f"a file ({SUFFIX}, tileset.json, .gltf, .glb, .usd)"
     raise InputError(f"scene: {unknown_name(spec, names, instead=files)}")

@@ -91,8 +91,7 @@ def read_scene(path: Path) -> Scene:
     Raises `InputError` if the file is missing, damaged, of another schema, or holds values that no
     scene has.
     """
-    # Values that overflow are found by the checks, which say it better than a warning.
-    with open_archive(path) as archive, np.errstate(over="ignore", invalid="ignore"):
+    with open_archive(path) as archive:
         return _scene(archive, _read_header(archive))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from ...base.arrays import FloatArray, IntArray
 from ...base.errors import InputError
 from ...base.predictors import LEVEL_PREDICTORS
+from ...base.reader_guard import guarded
 from ..scene.levels import LevelTable
 from ..scene.scene import ObjectTypes, Scene
 from ..scene.scene_file import SceneOrigin
@@ -34,14 +35,18 @@ def read_tileset(path: Path) -> tuple[Scene, SceneOrigin]:
 
     Raises `InputError` as `walk_tileset`, or if a volume is out of range.
     """
+    with guarded(path, "a 3D Tiles tileset", "export it again"):
+        return _read(path)
+
+
+def _read(path: Path) -> tuple[Scene, SceneOrigin]:
     table = walk_tileset(path)
     transform = np.stack([row.matrix for row in table.rows])
     kinds, numbers = (
         np.array(column) for column in zip(*(r.volume for r in table.rows), strict=True)
     )
-    with np.errstate(over="ignore", invalid="ignore"):  # found by the check, which says it better
-        center, radius = bounding_spheres(kinds, numbers, transform)
-        farthest = float(np.abs(center).max() + radius.max())
+    center, radius = bounding_spheres(kinds, numbers, transform)
+    farthest = float(np.abs(center).max() + radius.max())
     if not farthest <= _MAX_DISTANCE_M:
         raise InputError(f"bounding volumes: expected within 1e9 m, got {farthest:g} m", path=path)
     error = np.array([row.error for row in table.rows], dtype=np.float64)  # NaN if missing

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar
 
 from ...base.errors import InputError
 from ...models.scene.camera import Camera
+from ...models.scene.rig import Rig
 from ...models.scene.scene import Scene
 from ..knob import Knob, knob_of
 from ..protocol import Capabilities, Claims, claims_of
@@ -114,10 +115,12 @@ class Predictive:
         """Return what the policy selects on the predicted pose."""
         state = view.state
         camera = self._predict(view)
-        seen = replace(state, camera=camera, previous_camera=self._before)
+        seen = replace(
+            state, camera=camera, previous_camera=self._before, rig=self._ahead(view, camera)
+        )
         self._before = camera
         xyz_m = camera.to_camera(state.centers_m.take(view.ids, axis=1))
-        return self._inner.select(View(seen, view.ids, xyz_m))
+        return self._inner.select(seen.view(view.ids, xyz_m))
 
     def _predict(self, view: View) -> Camera:
         before, now, step_s = view.state.previous_camera, view.camera, view.state.step_s
@@ -131,6 +134,15 @@ class Predictive:
         if speed_m_s > self.max_speed_m_s or turn_deg_s > self.max_turn_deg_s:
             return now
         return extrapolate(before, now, self._horizon_s(view) / step_s)
+
+    def _ahead(self, view: View, camera: Camera) -> Rig | None:
+        """Return where all cameras will be, where several look; they move as the first does."""
+        rig = view.state.rig
+        if rig is None or camera is view.camera or not rig.previous:
+            return rig
+        ahead = self._horizon_s(view) / view.state.step_s
+        pairs = zip(rig.previous, rig.cameras, strict=True)
+        return replace(rig, cameras=tuple(extrapolate(*pair, ahead) for pair in pairs))
 
     def _horizon_s(self, view: View) -> float:
         if self.horizon_ms is not None:

@@ -105,7 +105,9 @@ class LevelChoices:
             cost_ms[self._lacking[kind]] = np.inf
         size = view.area_px * weight(view)
         benefit = size[:, None] * self._accuracy[kind]
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, distinct(kind), len(view))
+        fixed_ms = self._costs.fixed_ms(
+            view.viewport_px, self._costs.types_drawn(kind, view), len(view)
+        )
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, self._samples[kind])
 
     def between(self, view: View, column: IntArray, share: FloatArray) -> FloatArray:
@@ -173,8 +175,8 @@ class _Fronts:
             benefit[has, deepest[has] - depth] = np.bincount(row[member], gain, minlength=n)[has]
         size = view.area_px * weight(view)
         # Every node may be of a type of its own, and which are drawn is open.
-        types = distinct(view.scene.type_index[view.state.inside])
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, types)
+        types = distinct(view.scene.type_index[view.state.inside]) * self._costs.model.passes
+        fixed_ms = self._costs.fixed_ms(view.viewport_px, types)
         return Offer(cost_ms, benefit, fixed_ms, view.ids, size, np.zeros_like(benefit))
 
     def _worth(self, seen: View, size: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -134,11 +134,12 @@ class NodeCosts:
 
     def node_ms(self, view: View) -> FloatArray:
         """Return what each node of a view adds to the frame, (m,)."""
-        return self._costs.objects_ms(self._row[view.ids], view) + self._alone_ms[view.ids]
+        alone_ms = self._alone_ms[view.ids] * self._costs.draws_of(view)
+        return self._costs.objects_ms(self._row[view.ids], view) + alone_ms
 
     def fixed_ms(self, view: View) -> float:
         """Return what the frame takes whatever is drawn: an upper bound as to shared types."""
-        return self._costs.fixed_ms(view.camera.viewport_px, self._shared)
+        return self._costs.fixed_ms(view.viewport_px, self._shared * self._costs.model.passes)
 
 
 @dataclass(frozen=True, slots=True)

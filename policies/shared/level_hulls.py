@@ -112,7 +112,7 @@ class LevelHulls:
 
     def _rest_ms(self, view: View, same: Same) -> float:
         """Return what no level decides."""
-        fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types, len(view))
+        fixed_ms = self._costs.fixed_ms(view.viewport_px, same.types, len(view))
         return fixed_ms + self._costs.anyway_ms(view)
 
     def _gather(self, view: View) -> Same:

@@ -18,7 +18,7 @@ from ...models.scene.levels import LevelTable
 from ...models.scene.scene import Scene
 from ..selection import Selection, Work
 from ..view import View
-from .choices import distinct, require_costs
+from .choices import require_costs
 from .discretise import nearest_level
 from .resolution_problem import ResolutionProblem
 
@@ -45,7 +45,8 @@ class ResolutionCosts:
 
     def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object; every candidate's type is drawn."""
-        return self._costs.fixed_ms(view.camera.viewport_px, distinct(view.type_index), len(view))
+        types = self._costs.types_drawn(view.type_index, view)
+        return self._costs.fixed_ms(view.viewport_px, types, len(view))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""
@@ -76,8 +77,9 @@ class ResolutionCosts:
         """
         kind = view.type_index
         pixel_ms = self._costs.pixel_ms * view.area_px
-        slow, fast = self._linear_line.slope[kind], self._geometry_line.slope[kind]
-        under = self._geometry_line.start[kind]
+        draws = self._costs.draws_of(view)
+        slow, fast = self._linear_line.slope[kind] * draws, self._geometry_line.slope[kind] * draws
+        under = self._geometry_line.start[kind] * draws
         # Resolution at which geometry, under + fast · r, overtakes the pixels.
         kink = np.divide(pixel_ms - under, fast, out=np.full(len(kind), np.inf), where=fast > 0.0)
         bent = kink < 1.0
@@ -89,7 +91,7 @@ class ResolutionCosts:
         cost = slow + np.where(bent, fast, 0.0)
         # Gobbetti and Bouvier's r_min = T_pix · A / (T_tri · n), never below the coarsest level.
         low = np.where(bent, np.maximum(kink, bottom), np.where(cost > 0.0, bottom, 1.0))
-        return self._linear_line.start[kind] + hidden, slow, cost, low
+        return self._linear_line.start[kind] * draws + hidden, slow, cost, low
 
     def predict_ms(self, view: View, detail: FloatArray) -> float:
         """Return the frame's GPU time with the candidates at these details, exactly."""

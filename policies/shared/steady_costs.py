@@ -99,7 +99,7 @@ class SteadyCosts(ResolutionCosts):
 
     def fixed_ms(self, view: View) -> float:
         """Return what a frame costs before its first object, as `ResolutionCosts`."""
-        return self._costs.fixed_ms(view.camera.viewport_px, self._kept.of(view).types, len(view))
+        return self._costs.fixed_ms(view.viewport_px, self._kept.of(view).types, len(view))
 
     def problem(self, view: View, budget_ms: float) -> ResolutionProblem:
         """Return the allocation problem of a frame."""
@@ -147,7 +147,7 @@ class SteadyCosts(ResolutionCosts):
     def _rest_ms(self, view: View, same: _Same) -> float:
         """Return what does not depend on levels; it is asked for twice a frame."""
         if view is not self._seen:
-            fixed_ms = self._costs.fixed_ms(view.camera.viewport_px, same.types, len(view))
+            fixed_ms = self._costs.fixed_ms(view.viewport_px, same.types, len(view))
             self._seen, self._known_ms = view, fixed_ms + self._costs.anyway_ms(view)
         return self._known_ms
 

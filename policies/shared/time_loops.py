@@ -64,7 +64,7 @@ class TimeLoops:
     def learn(self, view: View) -> None:
         """Take the newest report, if there is one, before a frame is chosen."""
         if self._costs is not None and not self._units:
-            self._overhead_ms = self._costs.fixed_ms(view.camera.viewport_px, 0)
+            self._overhead_ms = self._costs.fixed_ms(view.viewport_px, 0)
         frames, times_ms = self._reports.new(view, view.completed.gpu_ms, self._target_ms)
         if not len(frames):
             return

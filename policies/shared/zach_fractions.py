@@ -62,7 +62,7 @@ class Fractions:
         if costs.model.has_roofline or not costs.linear_in_detail:
             raise InputError(
                 "zach: expected a machine of linear costs for admission=false, got one with a "
-                "roofline or rasterized triangles; leave admission on"
+                "roofline or rasterized triangles, or several cameras; leave admission on"
             )
         self._scene, self._groups, self._costs = scene, groups, costs
         levels = scene.types.levels

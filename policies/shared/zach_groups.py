@@ -86,7 +86,8 @@ class Groups:
         self.splats, self.floor = splats, np.minimum(floor, 1.0)
         self._factor = _K / _TREES * np.sqrt(trees * primitives)
         # Below a splat a tree nothing is admitted, so that the lines need not lie above that part.
-        level_ms = require_costs(scene, "zach").level_ms
+        self._frame_cost = require_costs(scene, "zach")
+        level_ms = self._frame_cost.level_ms
         chord = _line_above(levels, level_ms, levels.min_resolution)
         admitted = np.maximum(self.floor, levels.min_resolution)
         self._too_high = chord - _line_above(levels, level_ms, admitted)
@@ -122,7 +123,7 @@ class Groups:
         kind = seen.type_index
         optional = self.optional(seen)
         setup, _, full, floor = self._costs.stretches(seen)
-        setup, full = (setup, full) - self._too_high[:, kind]
+        setup, full = (setup, full) - self._too_high[:, kind] * self._frame_cost.draws_of(seen)
         floor = np.minimum(np.maximum(floor, self.floor[kind]), 1.0)
         value = self.value(seen)
         weight = np.divide(value, np.sqrt(full), out=np.zeros(len(full)), where=full > 0.0)

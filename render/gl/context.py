@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.errors import InputError
 from .measures.gl_functions import Loader, gl_function
+from .process_memory import keep_memory
 
 if TYPE_CHECKING:
     import moderngl
@@ -117,7 +118,7 @@ def open_target(
         Width and height of the window.
     threads
         Threads of Mesa's software rasteriser, 0 for none but the caller's; None leaves it be.  All
-        contexts that are open at a time have the same.
+        contexts that are open at a time have the same.  What it frees stays with the process.
     """
     try:
         import moderngl
@@ -126,6 +127,7 @@ def open_target(
         raise InputError(message) from error
     if threads is not None:
         os.environ["LP_NUM_THREADS"] = str(threads)
+        keep_memory()
     if backend not in BACKENDS:
         raise InputError(f"--backend: expected one of {', '.join(BACKENDS)}, got {backend}")
     try:

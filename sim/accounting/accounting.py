@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray, IntArray
-from ...models.machine.cost_terms.term import NO_CHANGES, Footprint, LevelChanges
+from ...models.machine.cost_terms.term import NO_CHANGES, Footprints, LevelChanges, Pass
 from ...models.machine.frame_cost import FrameCost
 from ...models.machine.price import Price
 from ...models.scene.camera import Camera
@@ -41,6 +41,7 @@ class Accounting:
         crossfade_ns: int,
         camera: Camera,
         visible_px: float,
+        cameras: int = 1,
     ) -> None:
         levels = scene.types.levels
         self._scene, self._levels, self._costs = scene, levels, costs
@@ -51,6 +52,9 @@ class Accounting:
         self._row, self._full_row = none, none
         self._load = self._full_load = costs.load(none)
         self.viewport_px = float(camera.viewport_px)
+        self._window_px = cameras * self.viewport_px
+        # Where each camera draws, levels are drawn more often when nodes come into view of another.
+        self._keeps_loads = costs.model.passes == 1
         self.switches = Switches(len(scene), levels, crossfade_ns, self.viewport_px, visible_px)
 
     def drawn(self, selection: Selection, view: View, *, repeats: bool = False) -> Drawn:
@@ -86,9 +90,12 @@ class Accounting:
         if alike and self._costs.level_by_level:
             return self._costs.finest_ms(tally.price)
         row = view.nodes.finest_row
-        if row is not self._full_row:
-            self._full_row, self._full_load = row, self._costs.load(row)
-        return self._costs.frame(row, view, self.viewport_px, load=self._full_load).gpu_ms
+        load = None
+        if self._keeps_loads:
+            if row is not self._full_row:
+                self._full_row, self._full_load = row, self._costs.load(row)
+            load = self._full_load
+        return self._costs.frame(row, view, self._window_px, load=load).gpu_ms
 
     def tally(
         self,
@@ -101,7 +108,8 @@ class Accounting:
 
         Shaded samples and the framebuffer's pixels go with the square of the render scale.
         """
-        row, fraction, seen = drawn.row, drawn.fraction, drawn.seen
+        row, fraction = drawn.row, drawn.fraction
+        seen: Footprints = drawn.seen
         at, old_row = self.switches.fading(time_ns, drawn.at)
         load = None
         if len(at):
@@ -111,14 +119,14 @@ class Accounting:
             seen = _DrawnTwice(seen, at)
             if fraction is not None:
                 fraction = np.concatenate((fraction, np.zeros(len(at))))
-        else:
+        elif self._keeps_loads:
             if row is not self._row:
                 self._row, self._load = row, self._costs.load(row, fraction)
             load = self._load
         price = self._costs.frame(
             row,
             seen,
-            self.viewport_px,
+            self._window_px,
             fraction=fraction,
             pixel_share=render_scale * render_scale,
             load=load,
@@ -132,7 +140,7 @@ class _DrawnTwice:
 
     __slots__ = ("_at", "_seen")
 
-    def __init__(self, seen: Footprint, at: IntArray) -> None:
+    def __init__(self, seen: Footprints, at: IntArray) -> None:
         self._seen, self._at = seen, at
 
     @property
@@ -146,6 +154,13 @@ class _DrawnTwice:
     @property
     def inside_share(self) -> FloatArray:
         return self._again(self._seen.inside_share)
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        return tuple(
+            Pass(np.concatenate((drawn, drawn[self._at])), _DrawnTwice(part, self._at))
+            for drawn, part in self._seen.passes
+        )
 
     def _again(self, column: FloatArray) -> FloatArray:
         return np.concatenate((column, column[self._at]))

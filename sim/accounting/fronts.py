@@ -63,5 +63,6 @@ class Fronts:
         px_per_m: FloatArray = view.camera.focal_px * self._tree.scene.scale[finer]
         # As large as the finer node is on the screen: there the picture changes.
         step = np.abs(self._error_m[coarser] - self._error_m[finer]) * px_per_m / seen.nearest_m
-        popping_px = float(step @ seen.area_px) / self._viewport_px
+        areas_px = [float(step @ area_px) for area_px in seen.areas_px]
+        popping_px = max(areas_px) / self._viewport_px
         return popping_px, coarser[step >= self._visible_px]

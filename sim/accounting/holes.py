@@ -60,6 +60,6 @@ def with_missing(drawn: Drawn, units: View, at: NDArray[np.intp]) -> Drawn:
         np.concatenate((drawn.detail, none)),
         np.concatenate((drawn.row, units.nodes.finest_row.take(at))),
         None if drawn.fraction is None else np.concatenate((drawn.fraction, none)),
-        View(units.state, ids, xyz_m),
+        units.state.view(ids, xyz_m),
         np.concatenate((drawn.error_m, size_m)),
     )

@@ -22,7 +22,8 @@ class ScreenErrors:
     def of(self, drawn: Drawn) -> tuple[float, float, float]:
         """Return the 95th percentile (lower rank) and maximum of nodes' errors in px.
 
-        The third is the mean over nodes, by their area, of what of the error is visible.
+        The third is the mean over nodes, by their area, of what of the error is visible; of the
+        worst picture where several cameras look.
         """
         count = len(drawn.ids)
         if not count:
@@ -59,7 +60,11 @@ class ScreenErrors:
         beyond_px = top_px - self._visible_px
         if not len(beyond_px) or beyond_px.max() <= 0.0:
             return 0.0
-        area_px = float(np.add.reduce(drawn.area_px))
         np.maximum(beyond_px, 0.0, out=beyond_px)
-        beyond_px *= drawn.area_px.take(at)  # a product of vectors adds in an order of its own
-        return float(np.add.reduce(beyond_px)) / area_px if area_px else 0.0
+        worst_px = 0.0
+        for area_px in drawn.seen.areas_px:
+            whole_px = float(np.add.reduce(area_px))
+            # A product of vectors adds in an order of its own.
+            by_area = float(np.add.reduce(beyond_px * area_px.take(at)))
+            worst_px = max(worst_px, by_area / whole_px if whole_px else 0.0)
+        return worst_px

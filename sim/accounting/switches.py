@@ -4,9 +4,10 @@ A toggle is a change of level on a node drawn in this frame and in the one befor
 node toggles when its resolution passes a knot of its level table, its stated discretisation.  A
 reversal is a toggle that returns, within `REVERSAL_NS`, to the level that the last toggle left.
 Popping sums, over every change of detail, the change of projected error weighted by the share of
-the viewport that the node covers.  A visible pop is a change of detail, between knots too, that
-changes the projected error by `visible_px` or more: less is not seen.  A level is changed where a
-node is drawn at another level than in the frame before, of a continuous one another collapse step.
+the viewport that the node covers, where several cameras look in the one of which it is most.  A
+visible pop is a change of detail, between knots too, that changes the projected error by
+`visible_px` or more: less is not seen.  A level is changed where a node is drawn at another level
+than in the frame before, of a continuous one another collapse step.
 """
 
 from dataclasses import dataclass
@@ -173,7 +174,8 @@ class Switches:
             return _NO_SWITCHES
         ids = drawn.at.take(at)
         step = np.abs(drawn.error_m.take(at) - self._error_m.take(ids)) * drawn.seen.px_per_m_at(at)
-        popping_px = float(np.add.reduce(step * drawn.area_px.take(at))) / self._viewport_px
+        areas_px = [float(np.add.reduce(step * area.take(at))) for area in drawn.seen.areas_px]
+        popping_px = max(areas_px) / self._viewport_px
         visible_pops = int(np.count_nonzero(step >= self._visible_px))
         new_row, old_row, levels_changed = drawn.row.take(at), self._last_row.take(ids), len(ids)
         if drawn.fraction is not None:

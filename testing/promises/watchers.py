@@ -28,7 +28,7 @@ class AllResident(Unstreamed):
     def show(self, view: View) -> View:
         """Return the view with the loader's record of a scene that it has read."""
         everything = np.ones(len(view.scene), dtype=np.bool_)
-        return View(replace(view.state, residency=everything), view.ids, view.xyz_m)
+        return replace(view.state, residency=everything).view(view.ids, view.xyz_m)
 
 
 class Guarded(Notes):
@@ -103,7 +103,7 @@ class FaultyTimer(Notes):
         times = np.column_stack((true.cpu_ms, true.gpu_ms, true.work_ms, true.present_ms))
         rows = self.reports(times)
         self._shown.append(_Reports(rows))
-        return View(replace(view.state, completed=self._shown[-1]), view.ids, view.xyz_m)
+        return replace(view.state, completed=self._shown[-1]).view(view.ids, view.xyz_m)
 
     def looks_at_timings(self) -> bool:
         """Return whether the policy has asked for any report."""

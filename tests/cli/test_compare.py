@@ -82,6 +82,7 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
         "report.html",
         "comparison.json",
         "runs.parquet",
+        "scene.lodscene",
         "frames",
         "study.json",
         "run-info.json",

@@ -13,7 +13,10 @@ import numpy as np
 
 from ....base.errors import InputError
 from ....base.files.whole_file import whole_file
+from ....base.reader_guard import guarded
 
+_MOST_BYTES = 1 << 30  # of a chain; members are stored as they are, so its file has as many
+_WHAT, _ADVICE = "a chain that `lodbench fit --resume` wrote", "name another"
 _KEYS = ("chain", "log_prob", "accepted", "random_keys", "random_rest", "identity")
 
 
@@ -47,15 +50,28 @@ def load_chain(path: Path, identity: str) -> Any:
     backend: Any = emcee.backends.Backend()
     if not path.exists():
         return backend
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            held = {key: arrays[key] for key in _KEYS}
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        message = "expected a chain that `lodbench fit --resume` wrote, got another kind of file"
-        raise InputError(f"{message}; name another", path=path) from error
-    if str(held["identity"]) != identity:
-        message = "expected a chain of this log, model, terms, walkers and seed, got one of others"
-        raise InputError(f"{message}; name another file, or remove it", path=path)
+    with guarded(path, _WHAT, _ADVICE):
+        held = _members(path)
+        if str(held["identity"]) != identity:
+            message = (
+                "expected a chain of this log, model, terms, walkers and seed, got one of others"
+            )
+            raise InputError(f"{message}; name another file, or remove it", path=path)
+        return _restored(backend, held)
+
+
+def _members(path: Path) -> dict[str, Any]:
+    """Return the arrays of a chain's file, after a look at what they take."""
+    if not zipfile.is_zipfile(path):
+        raise InputError(f"expected {_WHAT}, got another kind of file; {_ADVICE}")
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+        members = arrays.zip.infolist()
+        if sum(member.file_size for member in members) > min(_MOST_BYTES, path.stat().st_size):
+            raise InputError(f"expected {_WHAT}, got a compressed or larger one; {_ADVICE}")
+        return {key: arrays[key] for key in _KEYS}
+
+
+def _restored(backend: Any, held: dict[str, Any]) -> Any:
     steps, walkers, width = held["chain"].shape
     backend.reset(walkers, width)
     backend.grow(steps, None)

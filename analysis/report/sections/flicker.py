@@ -1,7 +1,5 @@
 """When each policy's switches are seen: policy by time, coloured by visible pops."""
 
-from typing import Literal
-
 import numpy as np
 
 from ....base.arrays import BoolArray, FloatArray
@@ -13,12 +11,7 @@ from ..results import Results, section
 from .along_the_trace import LINK, time_axis
 
 _BIN_S = 0.1
-_HEATS: tuple[Literal["heat1", "heat2", "heat3", "heat4"], ...] = (
-    "heat1",
-    "heat2",
-    "heat3",
-    "heat4",
-)
+_HEATS = ("heat1", "heat2", "heat3", "heat4")
 _FROM_PER_S = (0.0, 10.0, 50.0, 200.0)
 """Visible pops a second above which each shade begins."""
 

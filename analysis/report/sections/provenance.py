@@ -6,6 +6,7 @@ from ...study.comparison import Comparison
 from ..blocks import Block, Command, Table
 from ..results import Results, section
 from ..summary import describe_paths
+from ..values import counted
 
 
 @section("Where the numbers come from")
@@ -27,14 +28,16 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "paths", describe_paths(comparison)
     yield "hardware", f"{comparison.hardware}: {measured}; {c.hardware_source}"
     yield "display", f"{c.display}, {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
-    yield "pipeline", f"{c.frames_in_flight} frames in flight, {pacing}, fovy {c.fovy_deg:g}°"
+    in_flight = counted(c.frames_in_flight, "frame")
+    yield "pipeline", f"{in_flight} in flight, {pacing}"
+    yield "field of view", f"{c.fovy_deg:.4g}° vertical {c.fovy_of}".rstrip()
     yield "cross-fade", f"{c.crossfade_ms:g} ms"
-    yield "timers", f"read {c.measurement_delay} frames after completion"
+    yield "timers", f"read {counted(c.measurement_delay, 'frame')} after completion"
     yield "budget", f"{comparison.budget_ms:.6g} ms, exceeded for {comparison.miss:.2%} at most"
     yield "visible", f"from {comparison.visible:g} px on; margin {comparison.margin:.0%}"
-    yield "seed", f"{comparison.seed}, {s.seeds} seeds a path"
+    yield "seed", f"{comparison.seed}, {counted(s.seeds, 'seed')} a path"
     yield "tuning", s.tuned_on
-    draws = f", {s.draws} draws of the machine" if s.draws else ""
+    draws = f", {counted(s.draws, 'draw')} of the machine" if s.draws else ""
     yield "intervals", f"{s.level:.0%}, {comparison.population}{draws}"
     yield "made by", f"lodbench {made.version}, code {made.code[:12]}"
     for name, digest in made.hashes.items():

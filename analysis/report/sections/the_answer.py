@@ -9,7 +9,7 @@ from ...study.comparison_parts import PolicyResult, knob_text
 from ..blocks import Block, Command, Paragraph, Tile, Tiles
 from ..results import Results, section
 from ..summary import describe_paths, unscored
-from ..values import format_value
+from ..values import counted, format_value
 
 
 @section("")
@@ -59,7 +59,9 @@ def _tiles(results: Results, leader: PolicyResult | None) -> Iterator[Tile]:
         yield _how_sure(comparison, leader)
     c, s = comparison.conditions, comparison.sampling
     paths = results.words(describe_paths(comparison))
-    yield Tile("On which paths", (paths,), f"{comparison.population}; {s.seeds} seeds a path")
+    yield Tile(
+        "On which paths", (paths,), f"{comparison.population}; {counted(s.seeds, 'seed')} a path"
+    )
     warrant = "assumed" if c.hardware_assumed else "measured or published"
     detail = f"{warrant}; {c.display} at {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
     yield Tile("On which machine", (results.words(comparison.hardware),), detail)

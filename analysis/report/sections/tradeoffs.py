@@ -32,7 +32,8 @@ def tradeoffs(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """Each line is a policy as its knob turns; its point is where it was set for this budget.
 
     Lower is better, and left is cheaper.  Work is the time that budgets judge, the mean over paths.
-    Both scales are bent: doublings of work, and square roots of what is seen, count alike.
+    Both scales are bent: doublings of work, and square roots of what is seen, count alike.  What is
+    off the scale stands at its end, with an arrow and its work.
     """
     if not results.drawn:
         return (Paragraph("Nothing to draw in this run.", "dim"),)
@@ -80,17 +81,24 @@ _Pair = tuple[float | None, float | None]
 def _marks(
     results: Results, axes: tuple[Axis, Axis], place: Callable[[PolicyResult], _Pair]
 ) -> tuple[list[Mark], list[str]]:
-    """Return the chosen points, those that lie in the plot, and their names."""
+    """Return the chosen points and their names; one off the scale is at its end, and says where."""
     marks: list[Mark] = []
     texts: list[str] = []
     for policy in results.drawn:
         x, y = place(policy)
-        if x is None or y is None or not axes[0].low <= x <= axes[0].high:
+        if x is None or y is None:
             continue
         name = short_name(policy.label)
         marks.append(mark_of(results.inks[policy.label], axes, x, y, name))
-        texts.append(name)
+        texts.append(name + _off_scale(axes[0], x))
     return marks, texts
+
+
+def _off_scale(axis: Axis, value: float) -> str:
+    """Return which way and how far off a scale a value lies, nothing where it lies on it."""
+    if axis.low <= value <= axis.high:
+        return ""
+    return f" {'→' if value > axis.high else '←'} {format_value(value)}"
 
 
 def _lines(

@@ -5,6 +5,7 @@ const WIDE = 20000, HIGH = 2000, off = document.getElementById("off");
 const names = all(".legend .names button");
 const atFirst = names.filter((b) => b.getAttribute("aria-pressed") === "false").map((b) => b.dataset.p);
 let hidden = new Set(atFirst), hot = null, sorted = {}, zoom = {};
+const choices = all("select[data-choice]");
 
 /* The fragment keeps the view: what is hidden, how tables are sorted, how far plots are zoomed. */
 function write() {
@@ -12,14 +13,17 @@ function write() {
   if ([...hidden].sort().join() !== [...atFirst].sort().join()) parts.push("off=" + [...hidden].join("."));
   for (const [name, [column, up]] of Object.entries(sorted)) parts.push(`sort=${name}.${column}.${up ? "up" : "down"}`);
   for (const [link, [a, b]] of Object.entries(zoom)) parts.push(`zoom=${link}.${Math.round(1e4 * a)}.${Math.round(1e4 * b)}`);
+  for (const c of choices) if (c.selectedIndex > 0) parts.push(`show=${c.dataset.choice}.${c.selectedIndex}`);
   history.replaceState(null, "", parts.length ? "#" + parts.join("&") : location.pathname + location.search);
 }
 function read() {
   hidden = new Set(atFirst); zoom = {};
+  for (const c of choices) choose(c, 0);
   for (const part of location.hash.slice(1).split("&")) {
     const [key, value = ""] = part.split("="), words = value.split(".");
     if (key === "off") hidden = new Set(words.filter((w) => /^\d+$/.test(w)));
     if (key === "sort" && words.length === 3) sortBy(words[0], +words[1], words[2] === "up");
+    if (key === "show") for (const c of choices) if (c.dataset.choice === words[0]) choose(c, +words[1]);
     if (key === "zoom" && words.length === 3) {
       const [a, b] = words.slice(1).map((w) => +w / 1e4);
       if (a >= 0 && b <= 1 && b > a) zoom[words[0]] = [a, b];
@@ -27,6 +31,14 @@ function read() {
   }
   paint(); draw();
 }
+
+/* Of plots to choose from, the one that is chosen is shown. */
+function choose(select, at) {
+  if (!select.options[at]) return;
+  select.selectedIndex = at;
+  for (const o of select.options) document.getElementById(o.value).hidden = !o.selected;
+}
+for (const c of choices) c.addEventListener("change", () => { choose(c, c.selectedIndex); write(); });
 
 /* One legend rules all plots: a style sheet hides and fades by the number of the policy. */
 function paint() {
@@ -193,7 +205,7 @@ for (const plot of all(".plot")) {
       brush.style.left = 100 * Math.min(from, px) + "%"; brush.style.width = 100 * Math.abs(px - from) + "%";
       return;
     }
-    const text = near(px, py, box);
+    const text = (event.target.closest("path[data-t]") || { dataset: {} }).dataset.t || near(px, py, box);
     tip.hidden = !text;
     if (!text) return;
     tip.textContent = text;

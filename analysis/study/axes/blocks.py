@@ -2,15 +2,19 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import vary_policy
 from ....sim.replay import ReplayOptions
+from ..field_of_view import field_of_view
 from ..run import Run
 from .conditions import DEFAULTS, MACHINE
 from .grid import Cell, Grid
 from .study_inputs import StudyInputs
+
+if TYPE_CHECKING:
+    from ....traces.cameras.camera_trace import CameraTrace
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +64,14 @@ class Block:
             if values["budget_ms"] is None:
                 refresh_ms = self.inputs.machines[machine].budget_ms(None)
                 values["budget_ms"] = cells["budget_ms"] = refresh_ms
+            scene, trace, hardware = self.inputs.hashes(cells["scene"], cells["trace"], machine)
+            if values["fovy_deg"] is None:
+                path: CameraTrace = self.inputs.loaded[trace]
+                values["fovy_deg"] = cells["fovy_deg"] = field_of_view([path])
             chosen = tuple(values[axis] for axis in self.params)
             if chosen not in specs:
                 varied = dict(zip(self.params.values(), chosen, strict=True))
                 specs[chosen] = vary_policy(self.spec, varied) if varied else self.spec
             options = ReplayOptions(**{name: values[name] for name in DEFAULTS})
-            scene, trace, hardware = self.inputs.hashes(cells["scene"], cells["trace"], machine)
             run = Run(specs[chosen], scene, trace, hardware, options, self.warmup_s)
             yield Case(run, cells)

@@ -18,8 +18,11 @@ DEFAULTS: dict[str, Any] = {
     item.name: item.default if item.default_factory is MISSING else item.default_factory()
     for item in fields(ReplayOptions)
     if item.name != "frames"  # a run ends with its path, so that all policies see the same
-} | {"budget_ms": None}
-"""What a replay has unless a study says otherwise; a budget of None is one refresh."""
+} | {"budget_ms": None, "fovy_deg": None}
+"""What a replay has unless a study says otherwise.
+
+A budget of None is one refresh, a field of view of None what the path states, or the usual one.
+"""
 
 MACHINE = ("display", "refresh_hz", "frames_in_flight", "pacing", "latency_limit")
 """What may be otherwise than a profile has it; None leaves it."""
@@ -37,7 +40,7 @@ def option_axis(name: str, given: Any) -> Axis:
     """Return an axis of a replay option; raises `InputError` as `ReplayOptions` does."""
     values = several(given)
     for value in values:
-        if value is not None or name not in {"budget_ms", "seed"}:
+        if value is not None or name not in {"budget_ms", "fovy_deg", "seed"}:
             checked: dict[str, Any] = {"budget_ms": 1.0, name: value}
             ReplayOptions(**checked)
     cells: list[Cell] = [_text(item) if isinstance(item, Faults) else item for item in values]

@@ -11,6 +11,7 @@ from typing import Any, NoReturn, cast
 
 from ....base.errors import InputError
 from ....base.files.strict_toml import TomlDocument, read_toml
+from ....base.reader_guard import guarded
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import parse_policy
 from ....sim.faults import parse_faults
@@ -43,7 +44,8 @@ def read_study(path: Path) -> Study:
     Raises `InputError` if it is missing, not TOML, or a key or value is not as it has to be; with
     the line.
     """
-    return _Reader(read_toml(path, _LARGEST_BYTES, _ADVICE), path.parent).read(path.stem)
+    with guarded(path, "a study", "see docs/sweeps.md"):
+        return _Reader(read_toml(path, _LARGEST_BYTES, _ADVICE), path.parent).read(path.stem)
 
 
 class _Reader:

@@ -29,7 +29,7 @@ class FinestThatFits:
         for level in range(levels.level_count.max()):
             detail = np.minimum(level, levels.level_count[kind] - 1.0)
             row = levels.start[kind] + detail.astype(np.int32)
-            ms = self.costs.frame(row, view, view.camera.viewport_px).gpu_ms
+            ms = self.costs.frame(row, view, view.viewport_px).gpu_ms
             if ms <= self.target_ms:
                 break
         return Selection(view.ids, detail, Work(objects_visited=len(view)), predicted_ms=ms)

@@ -11,11 +11,11 @@ from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from ....base.arrays import FloatArray
+from ....base.arrays import BoolArray, FloatArray
 
 
 class Footprint(Protocol):
-    """Where m objects are in the picture; a policy's `View` is one."""
+    """Where m objects are in the picture."""
 
     @property
     def area_px(self) -> FloatArray:
@@ -29,7 +29,26 @@ class Footprint(Protocol):
 
     @property
     def inside_share(self) -> FloatArray:
-        """Share of each object that is in the picture, in [0, 1], (m,)."""
+        """Share of each object that is in the picture, in [0, 1], (m,).
+
+        Over several pictures it is summed, as samples and areas are.
+        """
+        ...
+
+
+class Pass(NamedTuple):
+    """Which of m objects one camera draws, (m,) bool, and where all of them are in its picture."""
+
+    drawn: BoolArray
+    seen: "Footprints"
+
+
+class Footprints(Footprint, Protocol):
+    """Where m objects are in the pictures of one camera or several; a policy's `View` is one."""
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """What each camera draws of the objects; a single one draws all."""
         ...
 
 

@@ -1,5 +1,6 @@
 """The folder of results: whole or not at all, and never at the cost of somebody's files."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -12,6 +13,7 @@ from lodbench.base.errors import InputError
 from lodbench.base.files import whole_folder
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.scene.scene import Scene
+from lodbench.models.scene.scene_file import write_scene
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.replay import ReplayOptions
 from lodbench.traces.cameras.camera_trace import CameraTrace
@@ -29,7 +31,7 @@ def results(small_scene: Scene, turn_trace: CameraTrace, machine: HardwareProfil
 
 
 def test_folder_holds_what_is_promised(results: Compared, tmp_path: Path) -> None:
-    """Report, comparison and one frame log a policy are written, and nothing is left beside."""
+    """Report, comparison, scene and a frame log a policy are written, nothing is left beside."""
     output.write_results(tmp_path / "run", results)
     files = sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file())
     assert files == [
@@ -38,6 +40,7 @@ def test_folder_holds_what_is_promised(results: Compared, tmp_path: Path) -> Non
         "run/frames/static-screen_first=0.5,bias=2.parquet",
         "run/report.html",
         "run/runs.parquet",
+        "run/scene.lodscene",
     ]
 
 
@@ -50,6 +53,24 @@ def test_results_are_read_back(results: Compared, tmp_path: Path) -> None:
         label: log.counts.tobytes() for label, log in results.logs.items()
     }
     assert read.runs == results.runs
+    assert read.scene is not None
+    for label, log in results.logs.items():
+        kept, levels = log.levels, read.logs[label].levels
+        assert kept is not None
+        assert levels is not None
+        assert len(levels) == len(log)
+        assert levels.node.tobytes() == kept.node.tobytes()
+        assert levels.switches(read.scene).sum() == log["toggles"].sum()
+
+
+def test_levels_of_another_scene_are_refused(
+    results: Compared, tmp_path: Path, make_scene: Callable[..., Scene]
+) -> None:
+    """A scene beside the logs that has fewer nodes than they name is an error of the log's file."""
+    output.write_results(tmp_path / "run", results)
+    write_scene(tmp_path / "run" / "scene.lodscene", make_scene([(0.0, 0.0, 0.0)]), ())
+    with pytest.raises(InputError, match=r"full\.parquet.*expected nodes and levels of by-hand"):
+        output.read_results(tmp_path / "run")
 
 
 def test_same_results_same_bytes(results: Compared, tmp_path: Path) -> None:

@@ -69,3 +69,24 @@ def test_other_json_is_refused(tmp_path: Path, text: str) -> None:
     """Whatever else it holds, one line tells."""
     with pytest.raises(InputError):
         read_placements(written(tmp_path, "a.json", text), TYPES, y_up=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", "type,x,y,z,rotation_y,Layer\nrock,1,2,3,90,grass\n"),
+        ("a.json", '[{"type": "rock", "position": [1, 2, 3], "rotation_y": 90, "Layer": 1}]'),
+    ],
+)
+def test_columns_that_say_nothing_are_listed(tmp_path: Path, name: str, text: str) -> None:
+    """A turn under another name is not lost in silence."""
+    found = read_placements(written(tmp_path, name, text), TYPES, y_up=False)
+    assert found.unused == ("rotation_y", "layer")
+    assert found.turn_xyzw.tolist() == [[0.0, 0.0, 0.0, 1.0]]
+
+
+def test_lines_are_those_of_the_file_beside_comments(tmp_path: Path) -> None:
+    """The bad row stands on line 5, behind two comments."""
+    text = "# made by hand\ntype,x,y,z\nrock,1,2,3\n# far\nrock,1,two,3\n"
+    with pytest.raises(InputError, match=r"a\.csv:5: expected a number"):
+        read_placements(written(tmp_path, "a.csv", text), TYPES, y_up=False)

@@ -13,7 +13,7 @@ from lodbench.base.predictors import CHANGE_PREDICTORS, GPU_PREDICTORS, LEVEL_PR
 from lodbench.models.machine import cost_terms
 from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.cost_terms.catalog import FRAME_TERMS, VIEW_TERMS
-from lodbench.models.machine.cost_terms.term import LevelChanges
+from lodbench.models.machine.cost_terms.term import LevelChanges, Pass
 from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.machine.knee import Knee
 from lodbench.models.machine.picture_units import view_units
@@ -29,6 +29,11 @@ class Seen(NamedTuple):
     area_px: FloatArray
     covered_px: FloatArray
     inside_share: FloatArray
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """One camera draws all."""
+        return (Pass(np.ones(len(self.area_px), dtype=np.bool_), self),)
 
 
 def seen(area_px: list[float], covered_px: list[float] | None = None) -> Seen:
@@ -241,6 +246,7 @@ def test_the_price_of_a_frame_is_the_sum_of_its_parts(make_levels: MakeLevels) -
                 total[name] += units
             shown = of["triangles"] * inside
             total["shaded_samples"] += share * px
+            total["triangles_in_view"] += shown
             total["rasterized_triangles"] += shown * -math.expm1(-share * covered / shown)
             total["reformed_objects"] += 1.0
             total["reformed_triangles"] += of["triangles"]
@@ -274,6 +280,17 @@ def test_rasterized_triangles_have_their_limits() -> None:
     covered, inside = np.array([100.0, 1e6, 100.0, 1e6]), np.array([1.0, 1.0, 1.0, 0.25])
     units = RASTERIZED.count([triangles], Seen(covered, covered, inside))
     assert units == pytest.approx([100.0, 10.0, 0.0, 2.5], rel=1e-4)
+
+
+def test_triangles_in_view_are_those_of_what_is_inside(make_levels: MakeLevels) -> None:
+    """Of 100 triangles all, a quarter and none are let through: 125 in all, at 2 ms each."""
+    levels, row = make_levels([(100, 40)]), np.array([0, 0, 0])
+    view = Seen(np.full(3, 50.0), np.full(3, 20.0), np.array([1.0, 0.25, 0.0]))
+    costs = FrameCost(CostModel.of(0.0, {"triangles_in_view": 2.0}), levels)
+    assert costs.objects_ms(row, view).tolist() == [200.0, 50.0, 0.0]
+    price = costs.frame(row, view, 1e6, pixel_share=0.25)  # a smaller picture has as many
+    assert price.gpu_ms == 250.0
+    assert costs.counts(price)["triangles_in_view"] == 125.0
 
 
 def test_textured_triangles_may_be_the_cheaper_ones() -> None:

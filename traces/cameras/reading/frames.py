@@ -6,6 +6,7 @@ up, z ahead becomes x right, y ahead, z up.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +104,7 @@ FRAMES = {
 }
 """Conventions by name, with the world that usually goes with the camera."""
 
-_WORDS = {
+_WORDS: dict[str, dict[str, Any]] = {
     **{f"{axis}-up": {"up": axis} for axis in _UP},
     "left-handed": {"left_handed": True},
     "right-handed": {"left_handed": False},
@@ -115,14 +116,20 @@ _WORDS = {
 def parse_frame(text: str, own: Frame) -> Frame:
     """Return a frame from words such as ``opencv,z-up,w2c``; what they do not say is the file's.
 
-    Raises `InputError` if a word is unknown.
+    The order of the words does not matter.
+
+    Raises `InputError` if a word is unknown, or two of them contradict each other.
     """
-    frame = own
+    said: dict[str, str] = {}  # the word that says each part
+    frame, changes = own, dict[str, Any]()
     for word in filter(None, (word.strip().lower() for word in text.split(","))):
-        if word in FRAMES:
-            frame = replace(FRAMES[word], inverse=frame.inverse)
-        elif word in _WORDS:
-            frame = replace(frame, **_WORDS[word])
-        else:
+        if word not in FRAMES and word not in _WORDS:
             raise InputError(f"frame: {unknown_name(word, [*FRAMES, *_WORDS])}")
-    return frame
+        part = next(iter(_WORDS.get(word, ("camera",))))
+        if said.setdefault(part, word) != word:
+            raise InputError(f"frame: expected one of {said[part]} and {word}, got both; leave one")
+        if word in FRAMES:
+            frame = replace(FRAMES[word], inverse=own.inverse)
+        else:
+            changes |= _WORDS[word]
+    return replace(frame, **changes)

@@ -43,6 +43,28 @@ def test_words_of_a_frame_change_what_they_say() -> None:
         parse_frame("opencvv", OPENCV)
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("y-up,z-up", "expected one of y-up and z-up, got both"),
+        ("opencv,c2w,w2c", "expected one of c2w and w2c"),
+        ("left-handed,z-up,right-handed", "expected one of left-handed and right-handed"),
+        ("unreal,unity", "expected one of unreal and unity"),
+    ],
+)
+def test_words_that_contradict_each_other_are_refused(text: str, says: str) -> None:
+    """Which of two came last is no way to say which is meant."""
+    with pytest.raises(InputError, match=says):
+        parse_frame(text, OPENCV)
+
+
+def test_the_order_of_the_words_of_a_frame_does_not_matter() -> None:
+    """A name after `z-up` does not take the world's up axis back; a word twice says it once."""
+    expected = Frame("opencv", "z", inverse=True)
+    assert parse_frame("z-up,w2c,opencv,z-up", OPENCV) == expected
+    assert parse_frame("opencv,w2c,z-up", OPENCV) == expected
+
+
 def test_a_mirror_is_refused(tmp_path: Path) -> None:
     """A right-handed camera in a left-handed world would show every picture mirrored."""
     path = table(tmp_path, f"{HEADER}\n0,0,0,0,0,0,0,1\n0.1,1,0,0,0,0,0,1\n")

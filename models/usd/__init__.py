@@ -1,0 +1,1 @@
+"""USD files as scenes."""

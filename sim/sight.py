@@ -1,0 +1,101 @@
+"""What the cameras of a replay see: where they stand at a time, and which nodes are before them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base.arrays import FloatArray
+from ..models.machine.hardware import Display
+from ..models.scene.camera import Camera
+from ..models.scene.frustum import Culler
+from ..models.scene.motion import Centers, Placed
+from ..models.scene.nodes import Nodes
+from ..models.scene.rig import Rig, RigCuller
+from ..models.scene.scene import Scene
+from ..traces.cameras.camera_trace import CameraTrace
+from .replay_options import ReplayOptions
+
+
+class Seen(NamedTuple):
+    """What is seen at one time.
+
+    Attributes
+    ----------
+    camera : Camera
+        The only one, or the head between two eyes.
+    rig : Rig or None
+        The cameras where several look at once.
+    centers : Placed
+    nodes : Nodes
+        What any camera sees; the same object as before where they are the same.
+    xyz_m : (3, m) float64
+        Their centres in the frame of `camera`.
+    """
+
+    camera: Camera
+    rig: Rig | None
+    centers: Placed
+    nodes: Nodes
+    xyz_m: FloatArray
+
+
+class Sight:
+    """The cameras of one replay, and what they see frame by frame.
+
+    Attributes
+    ----------
+    first : Camera
+        The head, or the only camera, at the path's beginning; all have its lens.
+    cameras, passes : int
+        How many look at once, and how many of them draw by themselves.
+    inside : (N,) bool
+        Nodes that any camera sees, read-only; the next look overwrites it.
+    """
+
+    def __init__(
+        self, scene: Scene, trace: CameraTrace, display: Display, options: ReplayOptions
+    ) -> None:
+        self._scene, self._trace, self._eyes = scene, trace, options.eyes
+        self._fovy_rad = math.radians(options.fovy_deg)
+        self._size_px = (display.width_px, display.height_px)
+        self.cameras = self.passes = 1
+        if options.eyes is not None:
+            self._size_px = options.eyes.size_px or (display.width_px // 2, display.height_px)
+            self.cameras = 2
+            self.passes = 1 if options.eyes.single_pass else 2
+        self.first = self._camera(0.0)
+        self._centers = Centers(scene.center_m, scene.motion)
+        cullers = [
+            Culler(self._centers, scene.radius_m, scene.blocks, scene.cells)
+            for _ in range(self.cameras)
+        ]
+        self._culler, self._rig_culler = cullers[0], None
+        if self.cameras > 1:
+            self._rig_culler = RigCuller(cullers)
+        self.inside = (self._rig_culler or self._culler).inside
+        self._nodes = Nodes(scene, np.zeros(0, dtype=np.int32))
+        self._before: tuple[Camera, ...] = ()
+
+    def look(self, time_s: float) -> Seen:
+        """Return what is seen at a time; times are asked for in their order."""
+        camera, centers = self._camera(time_s), self._centers.at(time_s)
+        if self._rig_culler is None:
+            ids, xyz_m = self._culler.cull(centers, camera)
+            if ids is not self._nodes.ids:
+                self._nodes = Nodes(self._scene, ids, self._culler.at)
+            return Seen(camera, None, centers, self._nodes, xyz_m)
+        assert self._eyes is not None, "several cameras are eyes"
+        cameras = self._eyes.of(camera)
+        culler = self._rig_culler
+        ids = culler.cull(centers, cameras)
+        if ids is not self._nodes.ids:
+            self._nodes = Nodes(self._scene, ids, culler.at)
+        rig = Rig(cameras, self._before, culler.each)
+        self._before = cameras
+        xyz_m = camera.to_camera(centers.all_m.take(culler.at, axis=1))
+        return Seen(camera, rig, centers, self._nodes, xyz_m)
+
+    def _camera(self, time_s: float) -> Camera:
+        pose = self._trace.pose_at(time_s)
+        return Camera(pose.position_m, pose.orientation_xyzw, *self._size_px, self._fovy_rad)
