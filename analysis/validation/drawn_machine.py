@@ -3,7 +3,8 @@
 A profile that was fitted to whole frames charges all of a frame to the GPU, and what Python takes
 to cull, to decide and to keep accounts is no cost of the machine's.  Where frames overlap both
 matter: the device works on one frame while the next is prepared and submitted.  So here the CPU
-takes what it took in the recording, and the GPU what the submission leaves of a frame's price.
+takes what it took in the recording, and the GPU that part of a frame's price which the device
+needed after the submission.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from ...models.machine.cost import CostModel, CpuCostModel
 from ...models.machine.hardware import HardwareProfile, Posterior
+from ...models.machine.residual import Residual
 from .recorded_frames import Measured, frames_in_flight
 
 
@@ -23,8 +25,8 @@ def as_drawn(
 ) -> HardwareProfile:
     """Return the machine that frames were recorded on: as deep, and with the CPU's part apart.
 
-    The CPU's part is one number for all frames of the recordings, its median: a case that is to
-    tell of lag has one policy.
+    The CPU's part is log-normal about one number for all frames of the recordings: a case that is
+    to tell of lag has one policy.
 
     Parameters
     ----------
@@ -36,15 +38,17 @@ def as_drawn(
     submit_ms = [item.submit_ms for item in items if item.submit_ms is not None]
     if not prepare_ms or not submit_ms:
         return deep
-    priced_ms = float(np.median(np.concatenate([hardware.gpu.counted_ms(i.counts) for i in items])))
-    submitted_ms = float(np.median(np.concatenate(submit_ms)))
+    submitted_ms = np.concatenate(submit_ms)
+    worked_ms = np.concatenate([np.asarray(item.frames["gpu_ms"]) for item in items])
     # A profile that has a CPU of its own has the submission there, and not in the GPU's price.
     apart = bool(hardware.cpu.base_ms or hardware.cpu.linear_ms.any())
-    left = 1.0 if apart or not priced_ms else max(0.0, 1.0 - submitted_ms / priced_ms)
-    cpu_ms = float(np.median(np.concatenate(prepare_ms))) + submitted_ms
+    # Sums, since two frames that are found complete at one look share what both of them took.
+    left = 1.0 if apart else float(worked_ms.sum() / (worked_ms.sum() + submitted_ms.sum()))
+    log_ms = np.log(np.concatenate(prepare_ms) + submitted_ms)
     return replace(
         deep,
-        cpu=CpuCostModel.of(cpu_ms, {}),
+        cpu=CpuCostModel.of(float(np.exp(log_ms.mean())), {}),
+        cpu_residual=Residual("lognormal", float(log_ms.std()), floor=0.0),
         gpu=_scaled(hardware.gpu, left),
         posterior=None if hardware.posterior is None else _scaled_draws(hardware.posterior, left),
     )

@@ -80,7 +80,8 @@ class Judged:
 
     Attributes
     ----------
-    errors, corrected : of each policy; corrected ones where there is a reference drawing
+    errors, corrected : of each policy; corrected ones where there is a reference drawing; none
+        where frames overlap
     pairs : by metric
     """
 
@@ -100,6 +101,11 @@ class _Policy:
     corrected: FrameErrors | None
     values: tuple[dict[str, float | None], ...]
     judged_ms: tuple[float, ...]
+
+    @property
+    def overlap(self) -> bool:
+        """Whether frames were drawn while others were prepared."""
+        return self.stretches[0].measured.prepare_ms is not None
 
 
 def judge_case(
@@ -140,6 +146,7 @@ def judge_case(
     )
     errors = tuple(item.errors for item in policies.values())
     corrected = tuple(item.corrected for item in policies.values() if item.corrected is not None)
+    overlap = any(item.prepare_ms is not None for item in every)
     pairs = _pairs(list(policies.values()))
     case = Case(
         scene=simulation.scene,
@@ -160,7 +167,8 @@ def judge_case(
         inside=share_inside(results),
         ranks={name: rank([part], LEVEL) for name, part in pairs.items()},
     )
-    return Judged(case, errors, corrected, pairs)
+    # Where frames overlap, no time is one frame's own: they tell of lag, and not of its price.
+    return Judged(case, () if overlap else errors, () if overlap else corrected, pairs)
 
 
 def validate(
@@ -182,7 +190,7 @@ def validate(
         ),
         first=count_decided((policy.first, 0.0) for _, policy in policies),
         machine=machine_factor(
-            [policy.cost_ratio for _, policy in policies],
+            [policy.cost_ratio for _, policy in policies if policy.cost_ratio is not None],
             hardware.scatter,
             len({case.scene for case, _ in policies}) or 1,
         ),
@@ -277,7 +285,7 @@ def _result(
         errors=errors,
         corrected=None if item.corrected is None else summarise_all([item.corrected]),
         detail=_detail(item, simulation.full),
-        cost_ratio=cost_ratio(item.corrected or item.errors),
+        cost_ratio=None if item.overlap else cost_ratio(item.corrected or item.errors),
         judged_ms=item.judged_ms,
         keeps_budget=decide(
             np.array([run.judged_ms <= budget_ms for run in runs]),

@@ -118,8 +118,9 @@ class PolicyValidation:
     ----------
     corrected : Errors or None
         As `errors`, of times over those of the reference drawing beside them; None without one.
-    cost_ratio : float
-        Median of measured over predicted time of a frame.
+    cost_ratio : float or None
+        Median of measured over predicted time of a frame; None where the model has no cost,
+        or frames overlap.
     judged_ms : tuple of float
         Work time by which the budget is judged, of each recording.
     keeps_budget, first : Decision
@@ -132,7 +133,7 @@ class PolicyValidation:
     errors: Errors
     corrected: Errors | None
     detail: DetailError | None
-    cost_ratio: float
+    cost_ratio: float | None
     judged_ms: tuple[float, ...]
     keeps_budget: Decision
     first: Decision

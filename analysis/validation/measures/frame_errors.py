@@ -107,7 +107,8 @@ def detail_error(errors: FrameErrors, share: FloatArray) -> DetailError | None:
     return DetailError((low, high), slope, (a, b, c, d))
 
 
-def cost_ratio(errors: FrameErrors) -> float:
-    """Return the median of measured over predicted time of a frame."""
+def cost_ratio(errors: FrameErrors) -> float | None:
+    """Return the median of measured over predicted time of a frame; None where all cost nothing."""
     predicted, measured = errors.pairs["model"]
-    return float(np.median(measured / predicted))
+    priced = predicted > 0.0
+    return float(np.median(measured[priced] / predicted[priced])) if priced.any() else None

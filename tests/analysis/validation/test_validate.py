@@ -145,6 +145,11 @@ def test_frames_drawn_deep_have_their_measured_lag(
     frame = found.case.policies[0].metrics["frame_ms_mean"].measured
     assert frame is not None
     assert values[0].measured > 2.0 * frame  # which one frame in flight would have it equal to
+    n = len(passed[0].frames)
+    overlapping = replace(passed[0], prepare_ms=np.ones(n), submit_ms=np.ones(n))
+    alone = judge_case(simulation, {"static-screen": (overlapping,)}, deep, log)
+    assert validate([alone], deep, 19, 19).pooled.errors is None  # no time is one frame's own
+    assert validate([alone], deep, 19, 19).pooled.machine is None
 
 
 def test_detail_is_the_share_of_the_triangles_in_view(validation: Validation) -> None:

@@ -108,3 +108,6 @@ def test_the_cost_ratio_is_the_median_of_measured_over_predicted() -> None:
     """One frame of ten times does not move it."""
     times = np.array([[1.0, 1.0, 1.0], [2.0, 2.0, 20.0]])
     assert cost_ratio(FrameErrors({"model": times})) == pytest.approx(2.0)
+    nothing = np.array([[0.0, 1.0], [5.0, 3.0]])
+    assert cost_ratio(FrameErrors({"model": nothing})) == pytest.approx(3.0)
+    assert cost_ratio(FrameErrors({"model": nothing[:, :1]})) is None
