@@ -30,7 +30,6 @@ from lodbench.render.gl.opengl_machine import GlMachine
 from lodbench.render.gl.recorder import record, recorded_hardware
 from lodbench.render.gl.renderer import Renderer
 from lodbench.sim.replay import ReplayOptions
-from lodbench.sim.simulated_machine import FrameTimes, Submitted
 
 STILL_MS, MOVING_MS = 1e-6, 40.0
 
@@ -52,22 +51,6 @@ class Levels:
         return Selection(view.ids, np.full(len(view), level))
 
 
-class Stepped:
-    """A machine on whose clock every frame takes the same time."""
-
-    def __init__(self, machine: PictureMachine, step_ms: float) -> None:
-        self._machine, self._step_ms = machine, step_ms
-
-    def begin(self) -> None:
-        """Begin a frame."""
-        self._machine.begin()
-
-    def run(self, frame: Submitted) -> FrameTimes:
-        """Draw the frame."""
-        self._machine.run(frame)
-        return FrameTimes(0.0, 0.0, self._step_ms)
-
-
 @pytest.fixture(scope="module")
 def large() -> tuple[Scene, Geometry]:
     """Return a scene of few large triangles, four levels a type."""
@@ -75,7 +58,7 @@ def large() -> tuple[Scene, Geometry]:
 
 
 @pytest.fixture
-def steps(target: Any, large: Any, llvmpipe: Any, tmp_path: Path) -> Any:
+def steps(target: Any, large: Any, llvmpipe: Any, stepping: Any, tmp_path: Path) -> Any:
     """Return a function that records levels by frame, and returns the steps that it finds."""
     scene, geometry = large
     renderer = Renderer(target, scene, geometry, instancing=False)
@@ -84,11 +67,11 @@ def steps(target: Any, large: Any, llvmpipe: Any, tmp_path: Path) -> Any:
 
     def find(by_frame: Sequence[int], step_ms: float, every: int = 1) -> list[PictureStep | None]:
         measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
-        machine = PictureMachine(measuring, renderer, PictureFolder(tmp_path, every))
+        stepped = stepping(measuring, step_ms)
+        machine = PictureMachine(stepped, renderer, PictureFolder(tmp_path, every))
         options = ReplayOptions(budget_ms=4.0, frames=len(by_frame))
         path = tour.stretch(20.0, 22.0)
-        stepped = Stepped(machine, step_ms)
-        record(Levels(by_frame), scene, path, hardware, options, stepped, measuring, name="levels")
+        record(Levels(by_frame), scene, path, hardware, options, machine, measuring, name="levels")
         return [picture.step for picture in machine.compared]
 
     return find
