@@ -113,11 +113,17 @@ def record(
         progress_bar("record", "steps") as progress,
     ):
         recorded = recorder.record(
-            policy, path, profile, replay, pictures=pictures, progress=progress
+            policy,
+            path,
+            profile,
+            replay,
+            pictures=pictures,
+            progress=progress,
+            on_pass=lambda found: write_log(out, found.columns, found.header),
         )
+        write_log(out, recorded.columns, recorded.header)
         if pictures is not None:
             pictures.write_table(recorded)
-        write_log(out, recorded.columns, recorded.header)
         if frame_log is not None:
             write_frame_log(frame_log, recorded.frames)
     _print(summary_of(recorded), as_json=as_json)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .assessment.dependence import Frames, dependence
+from .assessment.dependence import Frames, dependence, rise_of
 from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
 from .fit_frames import Sample
@@ -40,6 +40,7 @@ Model = Literal["student-t", "gaussian"]
 
 MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
 
+_ROUNDS, _NO_RISE = 5, 1e-3  # of the mean frame's cost, which is then as it was measured
 _START = 0.7  # of the scale of a spread's prior, its median, where the search begins
 _KEPT = 1_000  # samples kept for predictions
 
@@ -70,7 +71,7 @@ class Estimate:
 
     @property
     def rows_worth(self) -> float:
-        """Independent frames that would tell as much of the mean frame's cost."""
+        """Independent frames that would tell as much of a common factor of all costs."""
         stretch, likelihood = self.posterior.stretch, self.posterior.likelihood
         if isinstance(likelihood, BetweenLogs):
             return len(self.sample) * likelihood.worth
@@ -124,10 +125,40 @@ def posterior_of(
             _START * (OCCASION_SCALE if name == OCCASION else SCENE_SCALE) for name in levels.names
         ]
         return design, posterior, highest(posterior, [np.concatenate([center, spreads])])
-    found = dependence(_frames(sample, design, center, posterior.likelihood))
-    stretch = Stretch.of(found, center, posterior.likelihood)
-    posterior = LogPosterior(posterior.likelihood, priors, stretch)
-    return design, posterior, highest(posterior, [stretch.moved])
+    return design, *_stretched(sample, design, center, posterior)
+
+
+def _stretched(
+    sample: Sample, design: Design, center: FloatArray, posterior: LogPosterior
+) -> tuple[LogPosterior, FloatArray]:
+    """Return the posterior of frames that err alike, and its optimum.
+
+    It is stretched about where the frames alone have it, be that beyond a bound: else the slope at
+    the bound would be taken for surer than the frames are.  What bounds then take from the cost of
+    the mean frame, which is known best, is given back.
+    """
+    likelihood = posterior.likelihood
+    free = _unbounded(likelihood, design, center)
+    found = dependence(_frames(sample, design, free, likelihood))
+    stretch = Stretch.of(found, free, likelihood)
+    for _ in range(_ROUNDS):
+        posterior = LogPosterior(likelihood, posterior.priors, stretch)
+        inside = np.clip(stretch.moved, likelihood.low, likelihood.high)
+        center = highest(posterior, [inside])
+        rise = rise_of(_frames(sample, design, center, likelihood))
+        if abs(rise) < _NO_RISE:
+            break
+        stretch = stretch.raised(rise)
+    return posterior, center
+
+
+def _unbounded(likelihood: Likelihood, design: Design, center: FloatArray) -> FloatArray:
+    """Return the optimum of a likelihood if coefficients may be negative; not those of sides."""
+    if not design.linear:
+        return center
+    low = likelihood.low.copy()
+    low[: len(design.names)] = -np.inf
+    return highest_of(likelihood, low, likelihood.high, [center])
 
 
 def _between_logs(
@@ -143,7 +174,7 @@ def _between_logs(
         own = summary_of(whole.rows(rows), growth, reference_ms, pooled, sample.origin(log))
         summaries.append(own[0])
         mean[rows] = own[1]
-        times += float(own[2].times.mean()) * len(rows) / len(sample)
+        times += float(own[2].times.min()) * len(rows) / len(sample)
     noise = _noise_about(mean, sample.time_ms, likelihood, center)
     return BetweenLogs(summaries, levels, design.names, pooled, noise, 1.0 / times)
 
@@ -176,9 +207,11 @@ def _frames(sample: Sample, design: Design, theta: FloatArray, likelihood: Likel
     """Return a sample about the optimum of its likelihood."""
     draws = Draws(likelihood.names, theta[np.newaxis], float(sample.time_ms.mean()))
     mean, scale = (moment[0] for moment in draws.moments(design))
-    slopes = design.slopes(theta[: len(design.names)])
+    scaled = theta[: len(design.names)]
     dof = None if "inverse_dof" not in likelihood.names else float(draws.dof[0])
-    return Frames(slopes, mean, np.asarray(scale), sample.time_ms, sample.series, dof)
+    return Frames(
+        scaled, design.slopes(scaled), mean, np.asarray(scale), sample.time_ms, sample.series, dof
+    )
 
 
 def estimate(

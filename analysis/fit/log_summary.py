@@ -27,7 +27,7 @@ def summary_of(
         (K,), that optimum, where directions stay of which the log says nothing.
     """
     scaled, mean, scale = _own_optimum(frames, growth, reference_ms, pooled)
-    own = Frames(frames.slopes, mean, scale, frames.time_ms, frames.series, frames.dof)
+    own = Frames(scaled, frames.slopes, mean, scale, frames.time_ms, frames.series, frames.dof)
     found = dependence(own)
     rows = found.across * np.sqrt(len(mean) / found.times)[:, np.newaxis]
     return LogSummary(rows, rows @ scaled * (1.0 + found.rise), origin), mean, found

@@ -94,7 +94,7 @@ def _spikes(
     """
     up = int(sum(part.sum() for part in spiked))
     down = int(sum(are_spikes(-part).sum() for part in series)) if up else 0
-    if up <= _ONE_SIDED * down or not up:
+    if up <= _ONE_SIDED * (down + 1):
         return 0.0, 0.0, series
     clean: list[FloatArray] = []
     excess: list[FloatArray] = []

@@ -33,15 +33,17 @@ class Measured:
         Time of the reference drawing beside each frame.
     lag_ms : (n,) float64 or None
         From the frame's input sample until the device was done with it, where that was measured.
-    cpu_ms : (n,) float64 or None
-        From there until the frame was submitted, where frames are drawn deep.
+    prepare_ms, submit_ms : (n,) float64 or None
+        From there until the frame was ready to submit, and for its submission, where frames are
+        drawn deep.
     """
 
     frames: FrameLog
     counts: Mapping[str, FloatArray]
     reference_ms: FloatArray | None = None
     lag_ms: FloatArray | None = None
-    cpu_ms: FloatArray | None = None
+    prepare_ms: FloatArray | None = None
+    submit_ms: FloatArray | None = None
 
 
 def measured_of(recorded: Recorded) -> Measured:
@@ -53,7 +55,8 @@ def measured_of(recorded: Recorded) -> Measured:
         columns | {"shaded_samples": columns["projected_px"]},
         np.mean(reference, axis=0) if reference else None,
         columns.get("lag_ms"),
-        columns["prepare_ms"] + columns["cpu_ms"] if "prepare_ms" in columns else None,
+        columns.get("prepare_ms"),
+        columns["cpu_ms"] if "prepare_ms" in columns else None,
     )
 
 

@@ -1,6 +1,6 @@
 """Record replays on a real renderer: what `lodbench record` and `lodbench validate` share."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -77,11 +77,13 @@ class Recorder:
         *,
         pictures: PictureFolder | None = None,
         progress: Progress | None = None,
+        on_pass: Callable[[Recorded], None] | None = None,
     ) -> Recorded:
         """Record a policy, or the programme of calibration where there is none.
 
-        Calibration goes through the whole trace in even steps, drawn twice in shuffled order; a
-        policy's replay takes as many frames as last until its end.
+        Calibration goes through the whole trace in even steps, drawn twice in shuffled order, and
+        `on_pass` has what there is after the first time; a policy's replay takes as many frames as
+        last until its end.
 
         Raises
         ------
@@ -89,15 +91,26 @@ class Recorder:
             As `render.gl.recorder.record`.
         """
         compared: Sequence[PictureDifference] = ()
+
+        def told(recording: Recording) -> Recorded:
+            about = conditions(self._scene, trace, hardware, options) | self._about(label, options)
+            header = header_of(self._device, about, recording.doubt)
+            return Recorded(header, recording.columns, recording.frames, tuple(compared))
+
         if self._settings.frames_in_flight:
             recording = self._in_flight(label, trace, hardware, options, pictures, progress)
         elif label is None:
-            recording = self._programme(trace, hardware, options, pictures, progress)
+            if pictures is not None:
+                raise InputError("--images: expected --policy, got --calibrate, which is no replay")
+
+            def passed(recording: Recording) -> None:
+                if on_pass is not None:
+                    on_pass(told(recording))
+
+            recording = self._programme(trace, hardware, options, progress, passed)
         else:
             recording, compared = self._policy(label, trace, hardware, options, pictures, progress)
-        about = conditions(self._scene, trace, hardware, options) | self._about(label, options)
-        header = header_of(self._device, about, recording.doubt)
-        return Recorded(header, recording.columns, recording.frames, tuple(compared))
+        return told(recording)
 
     def _about(self, label: str | None, options: ReplayOptions) -> dict[str, str]:
         settings = self._settings
@@ -175,12 +188,10 @@ class Recorder:
         trace: CameraTrace,
         hardware: HardwareProfile,
         options: ReplayOptions,
-        pictures: PictureFolder | None,
         progress: Progress | None,
+        on_pass: Callable[[Recording], None],
     ) -> Recording:
         _require_flat(self._scene)
-        if pictures is not None:
-            raise InputError("--images: expected --policy, got --calibrate, which is no replay")
         return record_programme(
             self._scene,
             trace,
@@ -189,6 +200,7 @@ class Recorder:
             self._measuring(),
             name=CALIBRATION,
             progress=progress,
+            on_pass=on_pass,
         )
 
 

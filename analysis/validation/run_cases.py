@@ -1,21 +1,19 @@
 """Carry out a validation: record each case, or read it, simulate the same, and judge."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from ...base.errors import InputError
-from ...models.machine.cost import CpuCostModel
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene_catalog import OpenedScene
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import CompareSettings
 from ..study.runs import Progress
+from .drawn_machine import as_drawn
 from .record_options import RecordOptions
-from .recorded_frames import Measured, frames_in_flight, measured_of
+from .recorded_frames import measured_of
 from .recording_folder import case_folders, read_recordings, write_recording
 from .recordings import Recorded, conditions
 from .replays import Recordings, record_all
@@ -104,7 +102,7 @@ def carry_out(
         measured = {
             label: tuple(map(measured_of, passed)) for label, passed in recordings.policies.items()
         }
-        machine = _as_drawn(case.hardware, header, list(measured.values()))
+        machine = as_drawn(case.hardware, header, list(measured.values()))
         simulation = simulate_all(
             list(recordings.policies),
             case.opened.scene,
@@ -125,23 +123,6 @@ def carry_out(
         }
     validation = validate(judged, cases[0].hardware, replicates, draws)
     return Carried(validation, names, series)
-
-
-def _as_drawn(
-    hardware: HardwareProfile,
-    header: Mapping[str, str],
-    recordings: Sequence[Sequence[Measured]],
-) -> HardwareProfile:
-    """Return the machine that frames were recorded on: as deep, and with the recorder's own CPU.
-
-    What culling, deciding and keeping accounts take in Python is no cost of the machine's, and no
-    profile has it; but the device works meanwhile.
-    """
-    deep = replace(hardware, frames_in_flight=frames_in_flight(header))
-    cpu_ms = [item.cpu_ms for passed in recordings for item in passed if item.cpu_ms is not None]
-    if not cpu_ms:
-        return deep
-    return replace(deep, cpu=CpuCostModel.of(float(np.median(np.concatenate(cpu_ms))), {}))
 
 
 def _part(progress: Progress | None, at: int, parts: int) -> Progress | None:

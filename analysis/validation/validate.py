@@ -181,7 +181,11 @@ def validate(
             (policy.keeps_budget, _off_budget(policy, case.budget_ms)) for case, policy in policies
         ),
         first=count_decided((policy.first, 0.0) for _, policy in policies),
-        machine=machine_factor([policy.cost_ratio for _, policy in policies]),
+        machine=machine_factor(
+            [policy.cost_ratio for _, policy in policies],
+            hardware.scatter,
+            len({case.scene for case, _ in policies}) or 1,
+        ),
     )
     found = Validation(
         hardware=hardware.name,

@@ -39,8 +39,14 @@ HELPERS = 7
 shade eight times what they show (Fatahalian and others, Reducing shading on GPUs using
 quad-fragment merging, 2010)."""
 
+HELPER_NS = 1.0
+"""Of a helper sample: ten times the price that the profile has of a sample of a sphere."""
+
 HIDDEN = 0.5
-"""Share of objects, or of samples, that others hide."""
+"""Share of objects that others hide."""
+
+DEARER = 4.0
+"""Factor on prices of a policy's own work: of what is interpreted, or waits for memory."""
 
 POLICIES = (
     *("static-distance", "static-screen", "feedback", "funkhouser", "gobbetti", "wimmer", "zach"),
@@ -75,11 +81,9 @@ def with_idling_clock(hardware: HardwareProfile) -> HardwareProfile:
     return replace(hardware, gpu=replace(gpu, base_ms=base_ms, linear_ms=share * gpu.linear_ms))
 
 
-def with_helpers(sample_ns: float) -> Variant:
-    """Return what adds the shading of helper samples at a price of a sample."""
-    return lambda hardware: scaled(
-        hardware, {}, {"rasterized_triangles": HELPERS * sample_ns * 1e-6}
-    )
+def with_helpers(hardware: HardwareProfile) -> HardwareProfile:
+    """Return a profile that shades helper samples with each triangle that reaches a sample."""
+    return scaled(hardware, {}, {"rasterized_triangles": HELPERS * HELPER_NS * 1e-6})
 
 
 def with_hidden_objects(hardware: HardwareProfile) -> HardwareProfile:
@@ -88,18 +92,14 @@ def with_hidden_objects(hardware: HardwareProfile) -> HardwareProfile:
     return scaled(hardware, dict.fromkeys(of_objects, 1.0 - HIDDEN))
 
 
-def with_deciding(factor: float) -> Variant:
-    """Return what multiplies the prices of a policy's own work."""
-
-    def variant(hardware: HardwareProfile) -> HardwareProfile:
-        work = ("objects_visited", "comparisons", "iterations")
-        linear_ms = [
-            ms * factor if name in work else ms
-            for name, ms in zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True)
-        ]
-        return replace(hardware, cpu=replace(hardware.cpu, linear_ms=linear_ms))
-
-    return variant
+def with_dear_deciding(hardware: HardwareProfile) -> HardwareProfile:
+    """Return a profile on which a policy's own work costs more."""
+    work = ("objects_visited", "comparisons", "iterations")
+    linear_ms = [
+        ms * DEARER if name in work else ms
+        for name, ms in zip(CPU_PREDICTORS, hardware.cpu.linear_ms.tolist(), strict=True)
+    ]
+    return replace(hardware, cpu=replace(hardware.cpu, linear_ms=linear_ms))
 
 
 def with_free_changes(hardware: HardwareProfile) -> HardwareProfile:
@@ -117,15 +117,9 @@ VARIANTS: dict[str, tuple[str, Variant]] = {
     "plain": ("the profile as it is", lambda hardware: hardware),
     "free-changes": ("changes of level cost nothing", with_free_changes),
     "idling-clock": (f"an idling clock of {IDLE_SHARE:.0%}", with_idling_clock),
-    "quads": (f"{HELPERS} helper samples a triangle, 0.1 ns each", with_helpers(0.1)),
-    "quads-heavy": (f"{HELPERS} helper samples a triangle, 1 ns each", with_helpers(1.0)),
-    "early-z": (
-        f"{HIDDEN:.0%} of samples hidden before they are shaded",
-        lambda hardware: scaled(hardware, {"shaded_samples": 1.0 - HIDDEN}),
-    ),
+    "quads-heavy": (f"{HELPERS} helper samples a triangle, {HELPER_NS:g} ns each", with_helpers),
     "occlusion": (f"{HIDDEN:.0%} of objects culled as hidden", with_hidden_objects),
-    "deciding-free": ("deciding costs nothing", with_deciding(0.0)),
-    "deciding-4": ("deciding costs four times as much", with_deciding(4.0)),
+    "deciding-4": (f"deciding costs {DEARER:g} times as much", with_dear_deciding),
 }
 
 

@@ -1,4 +1,4 @@
-"""Figures of `validation.md`, drawn by `validate.py`."""
+"""Figures of `validation.md`, for `validation_tables.py`."""
 
 import csv
 from collections.abc import Sequence
@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lodbench.analysis.metrics.measured_frames import MeasuredFrames
+from lodbench.analysis.study.comparison_folder import frame_log_names
+from lodbench.analysis.validation.recording_folder import case_folders
 from lodbench.sim.frame_log_file import read_frame_log
 
 Table: TypeAlias = dict[str, NDArray[np.float64]]
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#555555")
 MEASURED, SIMULATED = "#D55E00", "#0072B2"
-WARMUP = 30
 SHOWN = 0.62  # of the height: below the horizon there is no ground
 
 
@@ -26,21 +27,55 @@ def read_table(path: Path) -> Table:
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
-def draw_series(folder: Path, policies: Sequence[str], path: Path) -> None:
-    """Draw frame times measured and simulated along the trace, one panel a policy."""
+def draw_series(folder: Path, case: dict[str, Any], path: Path) -> None:
+    """Draw frame times of a case measured and simulated along the path, one panel a policy."""
     plt = _pyplot()
-    figure, axes = plt.subplots(len(policies), 1, figsize=(8, 1.15 * len(policies)), sharex=True)
-    for axis, policy in zip(axes, policies, strict=True):
-        for kind, color in (("simulated", SIMULATED), ("measured", MEASURED)):
-            run = MeasuredFrames(read_frame_log(folder / kind / f"{policy}.parquet"), WARMUP)
+    labels = [policy["label"] for policy in case["policies"]]
+    names = frame_log_names(labels)
+    stem = case_folders([f"{case['scene']}-{case['trace']}"])[0]
+    parts = {
+        "simulated": (folder / "simulated" / stem, SIMULATED),
+        "measured": (folder / "recordings" / stem / "measured", MEASURED),
+    }
+    figure, axes = plt.subplots(
+        len(labels), 1, figsize=(8, 1.15 * len(labels)), sharex=True, squeeze=False
+    )
+    for axis, label in zip(axes[:, 0], labels, strict=True):
+        for kind, (logs, color) in parts.items():
+            run = MeasuredFrames(read_frame_log(logs / names[label]), *case["window_s"])
             axis.plot(run.time_s, run.work_ms, color=color, linewidth=0.7, label=kind)
-        axis.axhline(run.header.budget_ms, color="#888888", linewidth=0.7, linestyle="--")
+        axis.axhline(case["budget_ms"], color="#888888", linewidth=0.7, linestyle="--")
         axis.set_ylim(bottom=0.0)
-        axis.set_title(policy, fontsize=8, loc="left", pad=2)
+        axis.set_title(label, fontsize=8, loc="left", pad=2)
         axis.tick_params(labelsize=7)
-    axes[0].legend(fontsize=7, loc="upper right", ncols=2)
-    axes[len(axes) // 2].set_ylabel("frame time, ms", fontsize=8)
-    axes[-1].set_xlabel("time of the trace, s", fontsize=8)
+    axes[0, 0].legend(fontsize=7, loc="upper right", ncols=2)
+    axes[len(labels) // 2, 0].set_ylabel("frame time, ms", fontsize=8)
+    axes[-1, 0].set_xlabel(f"time of the path, s ({case['scene']}, {case['trace']})", fontsize=8)
+    _save(figure, path)
+
+
+def draw_agreement(found: dict[str, Any], names: Sequence[str], path: Path) -> None:
+    """Draw metrics simulated, with their intervals, over measured ones, a colour a scene."""
+    plt = _pyplot()
+    scenes = list(dict.fromkeys(case["scene"] for case in found["cases"]))
+    figure, axes = plt.subplots(1, len(names), figsize=(2.6 * len(names), 2.9))
+    for axis, name in zip(axes, names, strict=True):
+        for case in found["cases"]:
+            color = COLORS[scenes.index(case["scene"]) % len(COLORS)]
+            for policy in case["policies"]:
+                item = policy["metrics"][name]
+                if None not in (item["measured"], item["low"]):
+                    axis.plot([item["measured"]] * 2, [item["low"], item["high"]], color=color)
+                    axis.plot(item["measured"], item["simulated"], ".", color=color)
+        top = max(*axis.get_xlim(), *axis.get_ylim())
+        axis.plot([0.0, top], [0.0, top], color="#888888", linewidth=0.7, linestyle="--")
+        axis.set_title(name, fontsize=8)
+        axis.tick_params(labelsize=7)
+        axis.set_xlabel("measured", fontsize=8)
+    axes[0].set_ylabel("simulated", fontsize=8)
+    for scene, color in zip(scenes, COLORS, strict=False):
+        axes[-1].plot([], [], color=color, label=scene)
+    axes[-1].legend(fontsize=7)
     _save(figure, path)
 
 

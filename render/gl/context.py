@@ -2,12 +2,12 @@
 
 import os
 import re
-from ctypes import c_void_p, cast
+from ctypes import c_uint, c_void_p, cast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...base.errors import InputError
-from .measures.gl_functions import Loader
+from .measures.gl_functions import Loader, gl_function
 from .process_memory import keep_memory
 
 if TYPE_CHECKING:
@@ -45,6 +45,17 @@ class Device:
         return "llvmpipe" in self.renderer
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Held:
+    """What a context off screen holds of its process: a display, and the threads of its driver."""
+
+    display: int
+    threads: int | None
+
+
+_held: list[_Held] = []  # of the contexts that are open
+
+
 @dataclass(slots=True)
 class Target:
     """A context and, if it has a window, what shows a finished picture there.
@@ -56,12 +67,14 @@ class Target:
     load : Loader
         Of functions of OpenGL that moderngl lacks.
     window : handle of GLFW, or None off screen
+    held : what it shares with other contexts, off screen
     """
 
     context: "moderngl.Context"
     device: Device
     load: Loader
     window: Any = None
+    held: _Held | None = None
 
     def show(self, picture: "moderngl.Framebuffer") -> None:
         """Copy a picture to the window, if there is one."""
@@ -78,6 +91,12 @@ class Target:
         """Give the context back, and with it all that was made in it."""
         self.context.gc_mode = "context_gc"  # what is collected later may not delete another's
         self.context.release()
+        if self.held is not None:
+            _held.remove(self.held)
+            if not _held:  # the next context may want another number of threads
+                display, each = self.held.display, (c_void_p,) * 4
+                gl_function(self.load, "eglMakeCurrent", c_uint, *each)(display, None, None, None)
+                gl_function(self.load, "eglTerminate", c_uint, c_void_p)(display)
         if self.window is not None:
             import glfw
 
@@ -98,8 +117,8 @@ def open_target(
     size_px
         Width and height of the window.
     threads
-        Threads of Mesa's software rasteriser, 0 for none but the caller's; None leaves it be.  It
-        is read when the process opens its first context.  What it frees stays with the process.
+        Threads of Mesa's software rasteriser, 0 for none but the caller's; None leaves it be.  All
+        contexts that are open at a time have the same.  What it frees stays with the process.
     """
     try:
         import moderngl
@@ -114,7 +133,7 @@ def open_target(
     try:
         if backend == "window":
             return _windowed(moderngl, size_px)
-        return _off_screen(moderngl)
+        return _off_screen(moderngl, threads)
     except InputError:
         raise
     except Exception as error:  # moderngl raises plain Exception, and ImportError for libraries
@@ -125,13 +144,21 @@ def open_target(
         raise InputError(message) from error
 
 
-def _off_screen(moderngl: Any) -> Target:
+def _off_screen(moderngl: Any, threads: int | None) -> Target:
     import glcontext
 
+    for other in _held:
+        if threads is not None and other.threads not in {None, threads}:
+            message = f"expected {other.threads} as of a context that is open, got {threads}"
+            raise InputError(f"--threads: {message}; close that before")
     # Made here, not by moderngl, which keeps its loader to itself.
     backends: Any = glcontext  # which has no stubs
     egl = backends.get_backend_by_name("egl")(mode="standalone", glversion=_VERSION)
-    return _target(moderngl.create_context(require=_VERSION, context=egl), egl.load)
+    target = _target(moderngl.create_context(require=_VERSION, context=egl), egl.load)
+    display: int = gl_function(egl.load, "eglGetCurrentDisplay", c_void_p)()
+    target.held = _Held(display, threads)
+    _held.append(target.held)
+    return target
 
 
 def _windowed(moderngl: Any, size_px: tuple[int, int]) -> Target:

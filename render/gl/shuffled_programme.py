@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
+from ...sim.frame_log import FrameLog
 from ...sim.replay import ReplayOptions, replay
 from ...sim.simulated_machine import FrameTimes, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
@@ -59,11 +60,13 @@ def record_programme(
     *,
     name: str,
     progress: Callable[[int, int], None] | None = None,
+    on_pass: Callable[[Recording], None] | None = None,
 ) -> Recording:
     """Draw `options.frames` frames of the programme, in even steps along the trace, twice.
 
     The columns have two rows a frame, in the order of the path: ``pass`` is 0 or 1, ``drawn_at``
-    the place in the order of drawing.  The frame log has each frame once.
+    the place in the order of drawing.  The frame log has each frame once.  `on_pass` is called with
+    what there is when a pass is over, so that a second one that is stopped does not lose the first.
     """
     assert options.frames is not None, "a programme has as many frames as it is told"
     programme = Calibration(options.seed)
@@ -73,12 +76,18 @@ def record_programme(
     for done, frame in enumerate(order.tolist()):
         if progress is not None:
             progress(done, len(order))
+        if on_pass is not None and done == len(log):
+            on_pass(_recording(log, order[:done], measuring))
         keeper.measure(frame, measuring)
-    places = np.arange(len(order))
-    rows = np.lexsort((places, order))  # where each row of the log was drawn
-    columns = logged_columns(log, np.repeat(np.arange(len(log)), PASSES))
-    columns |= {column: values[rows] for column, values in measuring.rows().items()}
-    columns |= {"pass": (rows // len(log)).astype(float), "drawn_at": rows.astype(float)}
+    return _recording(log, order, measuring)
+
+
+def _recording(log: FrameLog, order: NDArray[np.int64], measuring: GlMachine) -> Recording:
+    """Return what was measured in some order of frames, told in the order of the path."""
+    drawn_at = np.lexsort((np.arange(len(order)), order))
+    columns = logged_columns(log, order[drawn_at])
+    columns |= {column: values[drawn_at] for column, values in measuring.rows().items()}
+    columns |= {"pass": (drawn_at // len(log)).astype(float), "drawn_at": drawn_at.astype(float)}
     return Recording(log, columns, measuring.doubt)
 
 

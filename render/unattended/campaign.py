@@ -126,7 +126,8 @@ class _Runner:
     def _validate(self, tag: str, scene: str, trace: str, draws: str) -> None:
         campaign, drawn = self._campaign, _drawn(scene, trace, draws)
         self._measure_in_flight(tag, scene, draws)
-        load = ("--policy", "full", "--budget-ms", "1", "--seconds", f"0:{_LEAST_S:g}")
+        load_s = min(campaign.seconds, _LEAST_S)
+        load = ("--policy", "full", "--budget-ms", "1", "--seconds", f"0:{load_s:g}")
         full = self._record(f"{tag}-load", *drawn, *load, "--repeats", "1")
         if full is None:
             return

@@ -108,6 +108,96 @@ def test_a_short_chain_is_a_warning_and_with_strict_a_failure(
     assert Path("mine.toml").exists()
 
 
+def test_a_fit_that_does_not_predict_writes_no_profile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """Times that hardly follow the counts: exit 1 with one line, unless it is wanted anyway."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(7)
+    draws = rng.integers(50, 400, 200)
+    time_ms = (4.0 + 0.02 * draws) * rng.lognormal(0.0, 1.0, 200)
+    rows = [f"{d},{ms:.4f}" for d, ms in zip(draws, time_ms, strict=True)]
+    Path("wild.csv").write_text("\n".join(["draw_calls,gpu_ms", *rows]) + "\n", "utf-8")
+    asked = ["fit", "wild.csv", "--steps", "500", "--terms", "draw_calls", "--out", "mine.toml"]
+    assert run(asked) == 1
+    (line,) = [one for one in capsys.readouterr().err.splitlines() if one.startswith("error")]
+    assert line.startswith("error: mine.toml: not written, since of frames held out by blocks")
+    assert not Path("mine.toml").exists()
+    assert run([*asked, "--anyway"]) == 0
+    assert Path("mine.toml").exists()
+
+
+def test_gpu_and_cpu_are_fitted_from_one_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """4 ms + 5 ns a triangle of the GPU and 1 ms + 8 us a draw of the CPU, into one profile."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(8)
+    draws, triangles = rng.integers(50, 400, 300), rng.integers(200_000, 2_000_000, 300)
+    gpu_ms = 4.0 + 5e-6 * triangles + 0.2 * rng.standard_normal(300)
+    cpu_ms = 1.0 + 0.008 * draws + 0.05 * rng.standard_normal(300)
+    rows = zip(draws, triangles, gpu_ms, cpu_ms, strict=True)
+    lines = [f"{d},{t},{g:.4f},{c:.4f}" for d, t, g, c in rows]
+    head = ["# resolution: 800x600", "draw_calls,triangles,gpu_ms,cpu_ms"]
+    Path("both.csv").write_text("\n".join([*head, *lines]) + "\n", "utf-8")
+    assert run(["fit", "both.csv", *QUICK, "--json", "--out", "mine.toml"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["terms"] == ["triangles"]
+    assert record["cpu"]["target"] == "cpu_ms"
+    assert record["cpu"]["coefficients"]["draw_calls"]["mean"] == pytest.approx(8.0, rel=0.05)
+    profile = read_profile(Path("mine.toml"))
+    assert profile.cpu.base_ms == pytest.approx(1.0, rel=0.1)
+    assert profile.gpu.base_ms == pytest.approx(4.0, rel=0.1)
+    assert (profile.display.width_px, profile.display.height_px) == (800, 600)
+
+
+def test_several_logs_are_occasions_and_scenes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """Four logs of two scenes on two days: what one log assumes is told from them where it can."""
+    monkeypatch.chdir(tmp_path)
+    names: list[str] = []
+    for scene in ("plaza", "market"):
+        for day in ("monday", "friday"):
+            path = write_log(Path(f"{scene}-{day}.csv"), frames=150)
+            text = path.read_text("utf-8")
+            path.write_text(f"# scene: {scene}; occasion: {day}\n{text}", "utf-8")
+            names.append(str(path))
+    terms = ["--terms", "draw_calls,triangles"]
+    assert run(["fit", *names, *terms, *QUICK, "--json", "--out", "mine.toml"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["occasions"]["count"] == 2
+    assert not record["occasions"]["assumed"]
+    assert record["occasions"]["log_sd"] < 0.09  # the same frames in both
+    assert record["between_scenes"]["count"] == 2
+    assert record["between_scenes"]["assumed"]
+    assert record["lag_frames"] == [0, 0, 0, 0]
+    assert run(["fit", names[0], *terms, *QUICK, "--json", "--out", "one.toml"]) == 0
+    one = json.loads(capsys.readouterr().out)
+    assert one["occasions"] == {"count": 1, "log_sd": 0.09, "assumed": True}
+    scatter = read_profile(Path("one.toml")).scatter
+    assert scatter.assumed
+    assert dict(scatter.scenes) == {"base": 0.25, "triangles": 0.25}
+    assert read_profile(Path("mine.toml")).scatter.occasion == record["occasions"]["log_sd"]
+
+
+def test_a_late_timer_is_found_among_lags_of_0_to_6(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """Times written three rows late: lag 3, with what each lag explains."""
+    monkeypatch.chdir(tmp_path)
+    lines = write_log(Path("walk.csv"), frames=300).read_text("utf-8").splitlines()
+    cells = [line.split(",") for line in lines[1:]]
+    late = [",".join((*now[:2], before[2])) for now, before in zip(cells[3:], cells, strict=False)]
+    Path("late.csv").write_text("\n".join([lines[0], *late]) + "\n", "utf-8")
+    assert run(["fit", "late.csv", *QUICK, "--json", "--terms", "draw_calls,triangles"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["lag_frames"] == [3]
+    (shares,) = record["lag_explains"]
+    assert len(shares) == 7
+    assert max(shares) == shares[3]
+
+
 def test_a_chain_is_kept_and_gone_on_with(log: Path, capsys: pytest.CaptureFixture[str]):
     """The second run reads the whole chain from the file and prints the same."""
     arguments = ["fit", str(log), *QUICK, "--resume", "chain.npz", "--json"]

@@ -4,21 +4,15 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
 
 from lodbench.base.errors import InputError
-from lodbench.base.files.parquet_file import ParquetColumns
 from lodbench.cli.main import run
 from lodbench.cli.record import parse_size
-from lodbench.models.scene.scene_file import read_geometry, read_scene, write_scene
 from lodbench.sim.frame_log_file import read_frame_log
 from lodbench.traces.logs.read_log import read_render_log
 
@@ -27,36 +21,6 @@ pytestmark = pytest.mark.usefixtures("egl")
 QUICK = ["--trace", "walk", "--repeats", "1", "--size", "160x90", "--seconds", "0:0.05"]
 STATIC = ["--policy", "static-screen"]
 Record = Callable[..., int]
-
-
-@pytest.fixture(scope="module")
-def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build 80 balls of two types, the same as a tree, and the same without meshes."""
-    folder = tmp_path_factory.mktemp("scenes")
-    names = [str(folder / f"{name}.ply") for name in ("ball", "small")]
-    for name, subdivisions in zip(names, (3, 2), strict=True):
-        trimesh.creation.icosphere(subdivisions=subdivisions).export(name)
-    flat = folder / "balls.lodscene"
-    options = ["--layout", "grid", "--count", "80", "--levels", "4", "--json"]
-    assert run(["scene", "build", *names, "--out", str(flat), *options]) == 0
-    scene, parent = read_scene(flat), np.zeros(80, dtype=np.int32)
-    parent[0] = -1
-    write_scene(folder / "tree.lodscene", replace(scene, parent=parent), read_geometry(flat))
-    write_scene(folder / "bare.lodscene", scene, ())
-    return folder
-
-
-@pytest.fixture
-def record(scenes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> Record:
-    """Return a function that records in an empty folder, of the balls unless told."""
-    monkeypatch.chdir(tmp_path)
-    capsys.readouterr()
-
-    def command(*more: str, out: str = "log.csv", scene: str = "balls") -> int:
-        named = str(scenes / f"{scene}.lodscene")
-        return run(["record", "--scene", named, "--out", out, *QUICK, *more])
-
-    return command
 
 
 def refusal(capsys: pytest.CaptureFixture[str]) -> str:
@@ -169,44 +133,6 @@ def test_a_calibration_can_be_fitted(record: Record, capsys: pytest.CaptureFixtu
     assert all(fitted["coefficients"][name]["q95"] > 0.0 for name in terms)
 
 
-def test_what_the_header_says_of_how_it_was_recorded(record: Record) -> None:
-    """Two recordings of one process are one occasion; calibration alone is shuffled."""
-    assert record(*STATIC, out="policy.parquet") == 0
-    assert record("--calibrate", "--steps", "4", "--clock", "thread", out="log.parquet") == 0
-    policy, programme = (
-        dict(read_render_log(Path(f"{name}.parquet")).header) for name in ("policy", "log")
-    )
-    assert (policy["order"], programme["order"]) == ("path", "shuffled")
-    assert (policy["clock"], programme["clock"]) == ("wall", "thread")
-    assert policy["occasion"] == programme["occasion"]
-    assert policy["frames_in_flight"] == programme["frames_in_flight"] == "1"
-    assert policy["vertex_order"] == "cache"
-    assert policy["fovy_deg"] == "60"
-
-
-def test_a_clock_of_this_thread_counts_what_it_works(record: Record) -> None:
-    """A frame of one thread takes as much of it as of the process, whoever else works there."""
-    assert record("--calibrate", "--steps", "4", "--clock", "thread", out="log.parquet") == 0
-    columns = ParquetColumns(Path("log.parquet"))
-    drawn_ms = sum(columns.numbers(name).sum() for name in ("frame_ms", "reference_after_ms"))
-    assert 0.0 < drawn_ms < 1e3 * time.process_time()
-
-
-def test_frames_in_flight(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
-    """Lag is told where frames are drawn deep, and each column that it stands on."""
-    flight = ["--frames-in-flight", "2", "--threads", "1"]
-    assert record(*STATIC, *flight, "--frame-log", "frames.parquet", out="log.parquet") == 0
-    assert "ms after its input, 2 in flight" in capsys.readouterr().out
-    frames, columns = read_frame_log(Path("frames.parquet")), ParquetColumns(Path("log.parquet"))
-    lag_ms = 1e-6 * (frames["gpu_end_ns"] - frames["input_ns"])
-    assert columns.numbers("lag_ms") == pytest.approx(lag_ms)
-    assert (columns.numbers("prepare_ms") > 0.0).all()
-    header = dict(read_render_log(Path("log.parquet")).header)
-    assert (header["frames_in_flight"], header["repeats"]) == ("2", "1")
-    assert header["gpu_ms"] == "left out, frames overlap"
-    assert "reference_before_ms" not in columns.names
-
-
 def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
     """What selects fronts in memory is recorded."""
     assert record("--policy", "cluster-cut", scene="tree") == 0
@@ -240,38 +166,6 @@ def test_a_tree_under_a_policy_of_fronts(record: Record) -> None:
         ("balls", [*STATIC, "--repeats", "0"], "--repeats: expected 1 to 99"),
         ("balls", [*STATIC, "--threads", "-1"], "--threads: expected 0 to 32, got -1"),
         ("balls", ["--calibrate", "--steps", "0"], "--steps: expected 1 or more, got 0"),
-        ("balls", [*STATIC, "--clock", "sun"], "--clock: expected one of wall, thread, got sun"),
-        (
-            "balls",
-            [*STATIC, "--clock", "thread", "--threads", "1"],
-            "--clock thread: expected a renderer that draws in the caller's thread",
-        ),
-        ("balls", [*STATIC, "--frames-in-flight", "5"], "--frames-in-flight: expected 1 to 4"),
-        (
-            "balls",
-            [*STATIC, "--frames-in-flight", "2"],
-            "--frames-in-flight: expected a renderer that draws beside the caller's thread",
-        ),
-        (
-            "balls",
-            [*STATIC, "--frames-in-flight", "2", "--threads", "1", "--clock", "thread"],
-            "--frames-in-flight: expected --clock wall, got thread",
-        ),
-        (
-            "balls",
-            ["--calibrate", "--frames-in-flight", "2", "--threads", "1"],
-            "--frames-in-flight: expected a policy whose frames nothing waits for, got --calibrate",
-        ),
-        (
-            "balls",
-            [*STATIC, "--frames-in-flight", "2", "--threads", "1", "--images", "pictures"],
-            "--frames-in-flight: expected a policy whose frames nothing waits for, got --images",
-        ),
-        (
-            "balls",
-            ["--calibrate", "--images", "pictures"],
-            "--images: expected --policy, got --cal",
-        ),
         ("balls", [*STATIC, "--backend", "vulkan"], "--backend: expected one of egl, window"),
         ("balls", ["--policy", "oracle"], "it sees the future"),
         ("balls", ["--policy", "none"], "got none; name one of them"),

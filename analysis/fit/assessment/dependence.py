@@ -6,7 +6,8 @@ independent and its noise true is too sure of itself, and not in all directions 
 come in any order, slow errors blur the cost of the mean frame and hardly the difference that a
 triangle makes.  So the likelihood is stretched about its optimum, in each direction by what the
 scores of the frames say (the curvature adjustment of composite likelihoods: Ribatet, Cooley,
-Davison, Statistica Sinica 22, 2012).  The first direction is that of the mean frame's cost.
+Davison, Statistica Sinica 22, 2012).  The first direction is a common factor of all coefficients:
+along it no bound is met, as a slow machine makes nothing cost less than nothing.
 """
 
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ class Frames:
 
     Attributes
     ----------
+    scaled : (K,) float64
+        The coefficients there.
     slopes : (K, n) float64
         By how much their times grow with each coefficient.
     mean, scale : (n,) float64
@@ -41,6 +44,7 @@ class Frames:
     dof : of Student's t, or None where the noise is Gaussian
     """
 
+    scaled: FloatArray
     slopes: FloatArray
     mean: FloatArray
     scale: FloatArray
@@ -51,7 +55,7 @@ class Frames:
     def rows(self, which: NDArray[np.int64]) -> "Frames":
         """Return some of the frames."""
         one = (self.mean[which], self.scale[which], self.time_ms[which], self.series[which])
-        return Frames(self.slopes[:, which], *one, self.dof)
+        return Frames(self.scaled, self.slopes[:, which], *one, self.dof)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +65,7 @@ class Dependence:
     Attributes
     ----------
     along : (K, k) float64
-        The directions as columns; the cost of the mean frame changes along the first alone.
+        The directions as columns; the first is that of a common factor.
     across : (k, K) float64
         What takes coefficients to their places along each.
     times : (k,) float64
@@ -88,19 +92,17 @@ def dependence(frames: Frames) -> Dependence:
     z = (frames.time_ms - mean) / frames.scale
     pull, stiffness = _pulls(z, frames.dof)
     columns = (slopes / frames.scale).T
-    along, across = _directions(columns, stiffness, slopes.mean(axis=1))
+    along, across = _directions(columns, stiffness, frames.scaled)
     scores: FloatArray = (columns * pull[:, np.newaxis]) @ along
-    away, rise = frames.time_ms - mean, 0.0
-    if frames.dof is not None:
-        away = _without_spikes(away, mean, series)
-        rise = float(away.mean() / mean.mean())
+    away = _without_spikes(frames)
+    rise = float(away.mean() / mean.mean())
     # Errors as they are, and over the frame's time: a model's are of any size in any frame, a slow
     # machine's are in proportion, and their order drowns in that of long frames.  The worst counts.
-    size = 1.0 / float(slopes.mean(axis=1) @ along[:, 0])
+    size = float(np.linalg.norm(across @ frames.scaled))
     seen = (
-        away,
-        _unexplained(away, slopes.T, series),
-        _unexplained(away / mean, (slopes / mean).T, series) * mean.mean(),
+        away / mean.mean(),
+        _unexplained(away, slopes.T, series) / mean.mean(),
+        _unexplained(away / mean, (slopes / mean).T, series),
     )
     times, dof = max(_over_logs(size * one, series) for one in seen)
     others = [_over_logs(column, series, dof)[0] for column in scores.T[1:]]
@@ -117,23 +119,32 @@ def _pulls(z: FloatArray, dof: float | None) -> tuple[FloatArray, float]:
 
 
 def _directions(
-    columns: FloatArray, stiffness: float, mean_frame: FloatArray
+    columns: FloatArray, stiffness: float, scaled: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return directions of equal curvature, (K, k), and their inverse, (k, K)."""
     values, vectors = np.linalg.eigh(stiffness * columns.T @ columns / len(columns))
     good = values > _LEAST * values.max()
     root = np.sqrt(values[good])
     along: FloatArray = vectors[:, good] / root
-    turned, _ = np.linalg.qr(np.column_stack([mean_frame @ along, np.eye(len(root))]))
-    return along @ turned, turned.T @ (vectors[:, good] * root).T
+    across: FloatArray = (vectors[:, good] * root).T
+    turned, _ = np.linalg.qr(np.column_stack([across @ scaled, np.eye(len(root))]))
+    return along @ turned, turned.T @ across
 
 
-def _without_spikes(away: FloatArray, mean: FloatArray, series: NDArray[np.int64]) -> FloatArray:
-    """Return what frames took beyond their mean, (n,), in place of spikes the rest's average."""
-    away = away.copy()
-    for log in np.unique(series):
-        where = np.flatnonzero(series == log)
-        spiked = are_spikes(away[where] / mean[where])
+def rise_of(frames: Frames) -> float:
+    """Return the share by which frames take longer than their means on average, spikes aside."""
+    return float(_without_spikes(frames).mean() / frames.mean.mean())
+
+
+def _without_spikes(frames: Frames) -> FloatArray:
+    """Return what frames took beyond their mean, (n,), in place of spikes the rest's average.
+
+    Gaussian noise has no spikes: there the mean of all frames is what is fitted.
+    """
+    away = frames.time_ms - frames.mean
+    for log in np.unique(frames.series) if frames.dof is not None else ():
+        where = np.flatnonzero(frames.series == log)
+        spiked = are_spikes(away[where] / frames.mean[where])
         away[where[spiked]] = away[where[~spiked]].mean()
     return away
 

@@ -20,7 +20,7 @@ import numpy as np
 from ....base.arrays import FloatArray
 
 _MOST = 2_000  # coefficients of the lowest frequencies; a mean does not depend on the others
-_TIMES, _SHARES = 14, 12  # of the grid of τ and φ
+_TIMES, _SHARES = 40, 16  # of the grid of τ and φ: fine enough for thousands of errors
 _FASTEST = 0.5  # frames
 _WHITE = 0.5  # probability, beforehand, that errors are white
 _LEAST_DOF, _MOST_DOF = 4.0, 200.0  # heavier tails than that make no chain that mixes
@@ -114,7 +114,7 @@ def _dof_of(ratio: float) -> float:
     return float(np.interp(ratio, ratios, dof))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=6)
 def _grid(count: int) -> _Grid:
     """Return the spectra for n errors: white ones first, then each τ with each φ."""
     times = np.geomspace(_FASTEST, 0.5 * count, _TIMES)

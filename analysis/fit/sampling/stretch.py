@@ -1,6 +1,6 @@
 """A likelihood made wider about its optimum, with heavier tails, for frames that err alike."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,10 +37,17 @@ class Stretch:
         width, whole = len(found.along), len(center)
         moved = center.copy()
         moved[:width] *= 1.0 + found.rise
-        shrink = np.eye(whole) / np.sqrt(found.times.mean())
+        # The noise is told as well as what is told best: slow errors blur costs, not scatter.
+        shrink = np.eye(whole) / np.sqrt(found.times.min())
         beyond = np.eye(width) - found.along @ found.across
         shrink[:width, :width] = (found.along / np.sqrt(found.times)) @ found.across + beyond
         return cls(center, moved, float(likelihood(center[np.newaxis])[0]), shrink, found)
+
+    def raised(self, share: float) -> "Stretch":
+        """Return the same about coefficients that are all larger by a share."""
+        moved = self.moved.copy()
+        moved[: len(self.found.along)] *= 1.0 + share
+        return replace(self, moved=moved)
 
     def __call__(self, likelihood: Likelihood, theta: FloatArray) -> FloatArray:
         """Return the stretched log-likelihood of (W, D) parameters, (W,).

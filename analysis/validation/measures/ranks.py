@@ -6,7 +6,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from ....base.arrays import BoolArray, FloatArray
 from ..validation_result import Rank
@@ -53,6 +52,9 @@ def compare_pairs(measured: FloatArray, replicates: FloatArray) -> Pairs | None:
         NaN where a recording has no value.
     replicates : (P, R) float64
     """
+    from scipy.stats import t
+
+    student: Any = t
     known = ~(np.isnan(measured).any(axis=1) | np.isnan(replicates).any(axis=1))
     measured, replicates = measured[known], replicates[known]
     count, passes = measured.shape
@@ -66,8 +68,7 @@ def compare_pairs(measured: FloatArray, replicates: FloatArray) -> Pairs | None:
     if passes > 1:
         variance = float((np.diff(measured[:, :2], axis=1) ** 2).mean()) / 2.0  # of one recording
         # The difference of two means of two recordings has this variance too.
-        quantile: Any = stdtrit(count, _SURE)
-        least = float(quantile) * variance**0.5
+        least = float(student.ppf(_SURE, count)) * variance**0.5
         apart = np.abs(difference) > least
         again = kendall_tau(measured[:, 0].tolist(), measured[:, 1].tolist())
     simulated = replicates.mean(axis=1)

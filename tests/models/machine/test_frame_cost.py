@@ -246,6 +246,7 @@ def test_the_price_of_a_frame_is_the_sum_of_its_parts(make_levels: MakeLevels) -
                 total[name] += units
             shown = of["triangles"] * inside
             total["shaded_samples"] += share * px
+            total["triangles_in_view"] += shown
             total["rasterized_triangles"] += shown * -math.expm1(-share * covered / shown)
             total["reformed_objects"] += 1.0
             total["reformed_triangles"] += of["triangles"]

@@ -1,7 +1,7 @@
 """Calibration: its frames spread the predictors so that a fit can tell their costs apart."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import astuple, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,10 @@ from lodbench.models.meshes.geometry import LevelMesh
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
 from lodbench.render.gl.calibration import Calibration
-from lodbench.render.gl.opengl_machine import GlMachine
+from lodbench.render.gl.draw_list import Picture
+from lodbench.render.gl.opengl_machine import COUNTED, GlMachine
 from lodbench.render.gl.recorder import Recording, record, recorded_hardware
-from lodbench.render.gl.renderer import Timing
+from lodbench.render.gl.renderer import Renderer, Timing
 from lodbench.render.gl.shuffled_programme import drawing_order, record_programme
 from lodbench.sim.replay import ReplayOptions
 
@@ -49,11 +50,12 @@ def recorded(drawing: Any, make_trace: Any, llvmpipe: Any) -> Callable[..., Reco
     trace = make_trace([(0.0, 0.0, 0.0), (0.0, 0.0, -40.0)], time_s=[0.0, FRAMES * 0.02])
     hardware = recorded_hardware(llvmpipe, (160, 90))
 
-    def walk(seed: int, frames: int, policy: str | None = None) -> Recording:
+    def walk(seed: int, frames: int, policy: str | None = None, **more: Any) -> Recording:
         machine = GlMachine(renderer, device, repeats=1, warmup=1)
         options = ReplayOptions(budget_ms=5.0, seed=seed, frames=frames)
         if policy is None:
-            return record_programme(made.scene, trace, hardware, options, machine, name="it")
+            where = (made.scene, trace, hardware, options, machine)
+            return record_programme(*where, name="it", **more)
         made_policy = parse_policy(policy).make()
         return record(
             made_policy, made.scene, trace, hardware, options, machine, machine, name="a walk"
@@ -66,6 +68,39 @@ def recorded(drawing: Any, make_trace: Any, llvmpipe: Any) -> Callable[..., Reco
 def test_the_design_of_a_fit_is_well_posed(recorded: Any, seed: int) -> None:
     """Small errors of the times do not become large ones of the costs."""
     assert condition(recorded(seed, FRAMES).columns) < 40.0
+
+
+class Counting:
+    """In place of a machine that measures: counts, and draws nothing."""
+
+    doubt = None
+
+    def __init__(self, renderer: Renderer) -> None:
+        self.renderer, self.counted = renderer, list[tuple[float, ...]]()
+
+    def measure(self, picture: Picture, expected: tuple[float, ...]) -> float:
+        """Count."""
+        frame = self.renderer.prepare(picture)
+        self.counted.append((*astuple(self.renderer.count(frame)), 0.0, *expected))
+        return 0.0
+
+    def rows(self) -> dict[str, Any]:
+        """Return the counts."""
+        return dict(zip(COUNTED, np.array(self.counted).T, strict=True))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_costs_are_told_apart_on_plaza(
+    target: Any, plaza: Any, tour: Any, llvmpipe: Any, seed: int
+) -> None:
+    """As the guide has it: errors come back in costs 14 times as large at most."""
+    scene, geometry = plaza
+    counting: Any = Counting(Renderer(target, scene, geometry, instancing=False))
+    options = ReplayOptions(budget_ms=5.0, seed=seed, frames=400)
+    hardware = recorded_hardware(llvmpipe, (160, 90))
+    found = record_programme(scene, tour, hardware, options, counting, name="it")
+    assert 10.0 < condition(found.columns) < 14.0
 
 
 def test_a_policy_leaves_it_singular(recorded: Any) -> None:
@@ -113,6 +148,22 @@ def test_each_frame_is_drawn_twice_apart_and_told_in_the_order_of_the_path(recor
         assert columns[name][::2].tolist() == columns[name][1::2].tolist()
     assert columns["triangles"][::2].tolist() == found.frames["triangles"].tolist()
     assert columns["frame_ms"][::2].tolist() != columns["frame_ms"][1::2].tolist()
+
+
+def test_a_second_pass_that_is_stopped_leaves_the_first(recorded: Any) -> None:
+    """When the first pass is over its log is told, in the order of the path."""
+    kept: list[Recording] = []
+
+    def stop(found: Recording) -> None:
+        kept.append(found)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        recorded(5, 30, on_pass=stop)
+    whole, first = recorded(5, 30).columns, kept[0].columns
+    assert first["pass"].tolist() == [0.0] * 30
+    for name in (*COUNTS, "trace_s", "drawn_at"):
+        assert first[name].tolist() == whole[name][::2].tolist()
 
 
 def test_the_order_of_drawing_tells_nothing_of_the_path() -> None:

@@ -4,6 +4,7 @@ import builtins
 import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -38,6 +39,31 @@ def test_a_context_closed_leaves_the_next_alone(egl: None) -> None:
         assert kept.read() == b"kept"
     finally:
         second.close()
+
+
+def _rasterisers() -> int:
+    """Return how many threads of this process are llvmpipe's own."""
+    names = [task.read_text() for task in Path("/proc/self/task").glob("*/comm")]
+    return sum(name.startswith("llvmpipe-") for name in names)
+
+
+def test_each_context_has_the_threads_that_it_asks_for(egl: None) -> None:
+    """Also where one before it in the same process had others, once that is closed."""
+    for threads in (0, 2, 1, 0):
+        opened = open_target("egl", threads=threads)
+        if "llvmpipe" not in opened.device.renderer:
+            pytest.skip("not a software rasteriser")
+        opened.context.simple_framebuffer((64, 64)).clear()
+        opened.context.finish()
+        found = _rasterisers()
+        opened.close()
+        assert found == threads
+    first, other = open_target("egl", threads=0), open_target("egl")
+    with pytest.raises(InputError, match="--threads: expected 0 as of a context that is open"):
+        open_target("egl", threads=1)
+    other.close()
+    first.context.simple_framebuffer((64, 64)).clear()
+    first.close()
 
 
 def test_unknown_backend() -> None:

@@ -18,7 +18,7 @@ TERMS = parse_terms("draw_calls,triangles")
 
 
 def worth_of(sample: Sample, model: str = "gaussian") -> np.ndarray:
-    """Return the worth of a frame along each direction, that of the mean frame's cost first."""
+    """Return the worth of a frame along each direction, that of a common factor first."""
     posterior = posterior_of(sample, TERMS, "student-t" if model == "student-t" else "gaussian")[1]
     assert posterior.stretch is not None
     return 1.0 / posterior.stretch.found.times
@@ -26,10 +26,10 @@ def worth_of(sample: Sample, model: str = "gaussian") -> np.ndarray:
 
 @pytest.mark.parametrize("model", ["gaussian", "student-t"])
 def test_independent_frames_count_in_full(make_sample: MakeSample, model: str):
-    """Over ten logs, frames of a true model are worth nearly one each, and never more."""
+    """Four in five at least, over ten logs of 150 frames, whose order tells little; never more."""
     worth = np.array([worth_of(make_sample(seed=seed), model) for seed in range(10)])
     assert worth.max() <= 1.0
-    assert worth.mean() > 0.9
+    assert worth.mean() > 0.8
 
 
 def test_frames_that_err_alike_count_for_less(make_sample: MakeSample):
@@ -43,7 +43,7 @@ def test_frames_that_err_alike_count_for_less(make_sample: MakeSample):
 
 
 def test_predictors_that_change_at_random_lose_less(make_sample: MakeSample):
-    """Where views are independent only the mean frame's cost suffers from correlated noise."""
+    """Where views are independent only a common factor suffers from correlated noise."""
     worth = worth_of(make_sample("correlated", frames=4_000))
     assert worth == pytest.approx(np.array([1.0 / 9.0, 1.0, 1.0]), rel=0.3)
 
@@ -111,12 +111,12 @@ def walk(rng: np.random.Generator, count: int, frames: float) -> np.ndarray:
 def test_a_mean_of_slow_errors_is_known_as_well_as_stretches_were_seen():
     """White errors as one each; of slow ones 1,200 frames are few, and the t's tails heavier."""
     rng = np.random.default_rng(8)
-    white = slow_error(rng.standard_normal(1_200))
-    slow = slow_error(walk(rng, 1_200, 100.0))
-    assert white.times == pytest.approx(1.0, abs=0.15)
-    assert white.dof > 30.0
-    assert 60.0 < slow.times < 1_000.0
-    assert slow.dof < 10.0
+    white = [slow_error(rng.standard_normal(1_200)) for _ in range(20)]
+    slow = [slow_error(walk(rng, 1_200, 100.0)) for _ in range(20)]
+    assert np.median([error.times for error in white]) == pytest.approx(1.0, abs=0.1)
+    assert np.median([error.dof for error in white]) > 30.0
+    assert 60.0 < np.median([error.times for error in slow]) < 500.0
+    assert np.median([error.dof for error in slow]) < 20.0
 
 
 def test_spikes_stand_out_from_their_neighbours_and_episodes_do_not():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.validation.measures.machine_factor import advice, machine_factor
+from lodbench.models.machine.scatter import Scatter
 
 
 def test_one_factor_on_everything_is_another_machine() -> None:
@@ -39,3 +40,13 @@ def test_a_machine_of_half_the_costs_is_another_too() -> None:
     assert found is not None
     assert found.another
     assert machine_factor([]) is None
+
+
+def test_what_the_profile_says_of_scenes_is_no_other_machine() -> None:
+    """At a scatter of 25 % between scenes 1.5 times is one scene's way; of four it is not."""
+    scatter = Scatter(0.09, {"triangles": 0.25}, assumed=True)
+    ratios = [1.5, 1.48, 1.52, 1.5]
+    one, four = machine_factor(ratios, scatter, 1), machine_factor(ratios, scatter, 4)
+    assert one is not None
+    assert four is not None
+    assert (one.another, four.another) == (False, True)

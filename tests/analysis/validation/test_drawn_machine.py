@@ -1,0 +1,49 @@
+"""Frames that are drawn deep are simulated on a machine with the recorder's CPU."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lodbench.analysis.validation.drawn_machine import as_drawn
+from lodbench.analysis.validation.recorded_frames import Measured
+from lodbench.models.machine.cost import CpuCostModel
+from lodbench.models.machine.hardware import HardwareProfile
+
+DEEP = {"frames_in_flight": "3"}
+
+
+def test_the_gpu_keeps_what_the_submission_leaves(
+    recorded: Callable[..., dict[str, tuple[Measured, ...]]],
+    make_machine: Callable[..., HardwareProfile],
+) -> None:
+    """Of frames of 16 ms with 4 ms to submit, three quarters are left, in each draw too.
+
+    The CPU takes 4 ms and the 2 ms before.
+    """
+    hardware = make_machine()
+    item = recorded(hardware, ("full",), (None,))["full"][0]
+    n = len(item.frames)
+    counts = {name: np.zeros(n) for name in item.counts} | {"triangles": np.full(n, 15_000.0)}
+    assert hardware.gpu.counted_ms(counts)[0] == pytest.approx(16.0)
+    item = replace(item, counts=counts, prepare_ms=np.full(n, 2.0), submit_ms=np.full(n, 4.0))
+    found = as_drawn(hardware, DEEP, [[item]])
+    assert found.frames_in_flight == 3
+    assert found.cpu.base_ms == pytest.approx(6.0)
+    assert found.gpu.counted_ms(counts)[0] == pytest.approx(12.0)
+    assert found.posterior is not None
+    assert hardware.posterior is not None
+    assert found.posterior.linear_ms == pytest.approx(0.75 * hardware.posterior.linear_ms)
+    apart = replace(hardware, cpu=CpuCostModel.of(5.0, {}))
+    assert as_drawn(apart, DEEP, [[item]]).gpu.counted_ms(counts)[0] == pytest.approx(16.0)
+
+
+def test_frames_that_are_waited_for_are_simulated_as_the_profile_has_them(
+    recorded: Callable[..., dict[str, tuple[Measured, ...]]],
+    make_machine: Callable[..., HardwareProfile],
+) -> None:
+    """Nothing overlaps, and all of a frame is the GPU's."""
+    hardware = make_machine()
+    passed = recorded(hardware, ("full",), (None,))["full"]
+    assert as_drawn(hardware, {"frames_in_flight": "1"}, [passed]) == hardware
