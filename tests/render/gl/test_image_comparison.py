@@ -67,11 +67,11 @@ def steps(target: Any, large: Any, llvmpipe: Any, stepping: Any, tmp_path: Path)
 
     def find(by_frame: Sequence[int], step_ms: float, every: int = 1) -> list[PictureStep | None]:
         measuring = GlMachine(renderer, target.device, repeats=1, warmup=1)
-        machine = PictureMachine(measuring, renderer, PictureFolder(tmp_path, every))
+        stepped = stepping(measuring, step_ms)
+        machine = PictureMachine(stepped, renderer, PictureFolder(tmp_path, every))
         options = ReplayOptions(budget_ms=4.0, frames=len(by_frame))
         path = tour.stretch(20.0, 22.0)
-        stepped = stepping(machine, step_ms)
-        record(Levels(by_frame), scene, path, hardware, options, stepped, measuring, name="levels")
+        record(Levels(by_frame), scene, path, hardware, options, machine, measuring, name="levels")
         return [picture.step for picture in machine.compared]
 
     return find
