@@ -2,17 +2,19 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import vary_policy
 from ....sim.replay import ReplayOptions
-from ....traces.cameras.camera_trace import CameraTrace
 from ..field_of_view import field_of_view
 from ..run import Run
 from .conditions import DEFAULTS, MACHINE
 from .grid import Cell, Grid
 from .study_inputs import StudyInputs
+
+if TYPE_CHECKING:
+    from ....traces.cameras.camera_trace import CameraTrace
 
 
 @dataclass(frozen=True, slots=True)
