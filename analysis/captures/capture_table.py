@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.errors import printable
 from ..report.console_tables import plain_table
 from ..report.values import format_value
 
@@ -21,7 +22,7 @@ def print_capture(record: dict[str, Any], frame_ms: FloatArray | None, console: 
     duration = record["duration_s"]
     lasted = "" if duration is None else f" in {duration:.4g} s"
     title = f"{record['log']}: {record['format']}, {record['frames']:,} frames{lasted}"
-    console.print(title, style="bold", markup=False)
+    console.print(printable(title), style="bold", markup=False)
     console.print(record["median_frame"], markup=False)
     console.print("", _columns(record))
     if record["metrics"]:
@@ -43,6 +44,8 @@ def print_capture(record: dict[str, Any], frame_ms: FloatArray | None, console: 
 
 
 def _columns(record: dict[str, Any]) -> Any:
+    from rich.text import Text
+
     table = plain_table()
     for name in ("column", "of the file", "in", "median", "missing"):
         table.add_column(name, justify="right" if name in ("median", "missing") else "left")
@@ -50,7 +53,8 @@ def _columns(record: dict[str, Any]) -> Any:
         missing = f"{column['missing']:,}" if column["missing"] else ""
         median = format_value(column["median"])
         unit = column["unit"] + (f" ({column['why']})" if column["why"] else "")
-        table.add_row(column["name"], column["source"], unit, median, missing)
+        named = (column["name"], column["source"], unit)  # texts, as brackets are no markup here
+        table.add_row(*(Text(printable(text)) for text in named), median, missing)
     return table
 
 

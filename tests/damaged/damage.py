@@ -12,7 +12,7 @@ import re
 import struct
 import zipfile
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
@@ -171,7 +171,7 @@ def damage_json(data: bytes, rng: random.Random) -> bytes:
     stack: list[Any] = [tree]
     while stack:
         node = stack.pop()
-        keys = node.keys() if isinstance(node, dict) else range(len(node))
+        keys: list[Any] = list(cast("Any", node) if isinstance(node, dict) else range(len(node)))
         places += [(node, key) for key in keys]
         stack += [node[key] for key in keys if isinstance(node[key], (dict, list))]
     if not places:
@@ -248,7 +248,7 @@ def damage_archive(data: bytes, rng: random.Random) -> bytes:
 def _damage_array(data: bytes, rng: random.Random) -> bytes:
     try:
         array = np.load(io.BytesIO(data)).copy()
-    except (ValueError, EOFError, SyntaxError, TypeError):
+    except Exception:  # noqa: BLE001 - an earlier injury, of which numpy makes many kinds
         return damage_bytes(data, rng)
     change = rng.randrange(6)
     if change == 0 and array.size and array.dtype.kind in "fiu":
@@ -261,7 +261,7 @@ def _damage_array(data: bytes, rng: random.Random) -> bytes:
         array = array[: rng.randrange(len(array) + 1)] if array.ndim else array.reshape(1)
     elif change == 2:
         array = np.concatenate((array, array)) if array.ndim else array
-    elif change == 3:
+    elif change == 3 and array.dtype.kind in "fiub":
         array = array.astype(rng.choice(("f4", "f8", "i4", "i8", "u1", "?")), casting="unsafe")
     elif change == 4:
         array = array.ravel() if rng.random() < 0.5 else array[..., None]
@@ -281,9 +281,8 @@ def damage_parquet(data: bytes, rng: random.Random) -> bytes:
     at = rng.randrange(table.num_columns) if table.num_columns else 0
     change = rng.randrange(7)
     if table.num_columns == 0 or change == 6:
-        metadata = {
-            key: damage_text(value, rng) for key, value in (table.schema.metadata or {}).items()
-        }
+        texts: dict[bytes, bytes] = table.schema.metadata or {}
+        metadata = {key: damage_text(text, rng) for key, text in texts.items()}
         table = table.replace_schema_metadata(metadata)
     elif change == 0:
         table = table.remove_column(at)

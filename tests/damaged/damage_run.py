@@ -3,7 +3,7 @@
     python tests/damaged/damage_run.py --each 145 --results out/damaged.jsonl
 
 Readers run in child processes with limits, one at a time: a child that dies or hangs is one
-failure, and the next goes on after it.  Seeds of which the file of results has as many are skipped.
+failure, and the next goes on after it.  What the file of results has is not repeated.
 """
 
 import argparse
@@ -21,7 +21,7 @@ import time
 import traceback
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TextIO, TypeAlias
@@ -155,7 +155,7 @@ def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> Result:
 
 
 @contextlib.contextmanager
-def _file_two(file: Any) -> Iterator[None]:
+def _file_two(file: Any) -> Generator[None]:
     """Let what native libraries write to stderr go to a file."""
     kept = os.dup(2)
     os.dup2(file.fileno(), 2)
@@ -172,9 +172,8 @@ def _peak_bytes() -> int:
     return 1024 * int(line.split()[1])
 
 
-def run_seed(seed: Seed, count: int, scratch: Path) -> Iterator[Result]:
-    """Yield what happened to each damaged file of a seed, whatever happens to the child."""
-    first = 0
+def run_seed(seed: Seed, count: int, scratch: Path, first: int = 0) -> Iterator[Result]:
+    """Yield what happened to damaged files of a seed from a first one on, whatever happens."""
     while first < count:
         at = first - 1
         work = partial(run_child, seed, first, count - first, scratch=scratch)
@@ -200,7 +199,7 @@ def run_seed(seed: Seed, count: int, scratch: Path) -> Iterator[Result]:
 
 
 @contextlib.contextmanager
-def _forked(work: Callable[[TextIO], None]) -> Iterator[tuple[int, TextIO]]:
+def _forked(work: Callable[[TextIO], None]) -> Generator[tuple[int, TextIO]]:
     """Do some work in a copy of this process, which need not import all again; yield its lines."""
     from_child, to_parent = os.pipe()
     with warnings.catch_warnings():
@@ -224,7 +223,7 @@ def _forked(work: Callable[[TextIO], None]) -> Iterator[tuple[int, TextIO]]:
 
 
 @contextlib.contextmanager
-def _watched(pid: int) -> Iterator[Callable[[], None]]:
+def _watched(pid: int) -> Generator[Callable[[], None]]:
     """End a child that says nothing for too long; yield what is to be called when it does."""
     timer = threading.Timer(2 * _HANG_S, os.kill, (pid, signal.SIGKILL))
     timer.start()
@@ -249,7 +248,7 @@ def run_all(scratch: Path, each: int, only: str, known: Sequence[Result] = ()) -
     for seed in {seed.family: seed for seed in missing}.values():
         _read_files(seed, seed.files, scratch)  # what a command imports, children then have
     for seed in missing:
-        yield from run_seed(seed, each, scratch)
+        yield from run_seed(seed, each, scratch, done[seed.family, seed.name])
 
 
 def table_of(results: list[Result]) -> str:
@@ -278,9 +277,10 @@ def main() -> int:
     parser.add_argument("--only", default="", help="part of family/name")
     parser.add_argument("--results", type=Path, required=True, help="a line of JSON a file")
     given = parser.parse_args()
-    lines = given.results.read_text().splitlines() if given.results.exists() else []
+    path: Path = given.results
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     results: list[Result] = [json.loads(line) for line in lines]
-    with tempfile.TemporaryDirectory() as folder, given.results.open("a") as file:
+    with tempfile.TemporaryDirectory() as folder, path.open("a", encoding="utf-8") as file:
         for result in run_all(Path(folder), given.each, given.only, results):
             print(json.dumps(result), file=file, flush=True)
             results.append(result)

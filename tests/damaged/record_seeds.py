@@ -6,6 +6,7 @@ from typing import Any
 
 import emcee
 import numpy as np
+from numpy.typing import NDArray
 from seed import ROOT, Seed, one_file
 
 import lodbench
@@ -71,11 +72,13 @@ def record_seeds(scratch: Path) -> Iterator[Seed]:
     yield one_file("frame logs", path.name, path.read_bytes(), "parquet", "frame log")
 
 
+def _log_prob(x: NDArray[np.float64]) -> float:
+    return -0.5 * float(x @ x)
+
+
 def _chain(path: Path) -> bytes:
     backend: Any = emcee.backends.Backend()
-    sampler: Any = emcee.EnsembleSampler(
-        8, 2, lambda x: -0.5 * float(x @ x), backend=backend, moves=emcee.moves.StretchMove()
-    )
+    sampler: Any = emcee.EnsembleSampler(8, 2, _log_prob, backend=backend)
     sampler.random_state = np.random.RandomState(0).get_state()
     sampler.run_mcmc(np.random.default_rng(0).normal(size=(8, 2)), 5)
     save_chain(backend, path, "of this")

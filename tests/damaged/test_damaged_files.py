@@ -76,7 +76,8 @@ def test_real_damaged_files_are_read_or_refused_in_one_line(
         began = time.process_time()
         code = read_one(seed, path)
         seconds = time.process_time() - began
-        assert judge(code, *capfd.readouterr(), seconds, 0) == [], file.name
+        out, err = capfd.readouterr()
+        assert judge(code, out, err, seconds, 0) == [], file.name
     assert len(files) >= 53
 
 
@@ -105,7 +106,7 @@ def _die(_: Path) -> None:
 
 
 def _bloat(_: Path) -> None:
-    b"x" * 1_200_000_000  # noqa: B018
+    assert len(b"x" * 1_200_000_000) > 0
 
 
 @pytest.mark.filterwarnings("default")

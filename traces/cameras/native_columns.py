@@ -1,6 +1,7 @@
 """What the two native formats share: columns, schema name and the record beside the samples."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -23,12 +24,14 @@ class Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     origin_s: float = 0.0
     repairs: tuple[tuple[int, str], ...] = ()
+    fovy_deg: float | msgspec.UnsetType = msgspec.UNSET
 
 
 def encode_header(trace: CameraTrace) -> bytes:
     """JSON of a trace's header."""
     repairs = tuple((repair.count, repair.what) for repair in trace.repairs)
-    return msgspec.json.encode(Header(trace.name, trace.origin_s, repairs))
+    fovy_deg = msgspec.UNSET if trace.fovy_deg is None else trace.fovy_deg
+    return msgspec.json.encode(Header(trace.name, trace.origin_s, repairs, fovy_deg))
 
 
 def decode_header(data: bytes | str, path: Path, line: int | None) -> Header:
@@ -63,7 +66,10 @@ def trace_of(
 ) -> CameraTrace:
     """Trace of columns of numbers; raises as `trace_from_samples`."""
     required = np.column_stack([columns[name] for name in REQUIRED])
-    return trace_from_samples(
+    if header.fovy_deg is not msgspec.UNSET and not 0.0 < header.fovy_deg < 180.0:
+        message = f"fovy_deg: expected degrees above 0 and below 180, got {header.fovy_deg}"
+        raise InputError(f"{message}; correct or remove it", path=path)
+    trace = trace_from_samples(
         header.name,
         path,
         lines,
@@ -74,3 +80,5 @@ def trace_of(
         origin_s=header.origin_s,
         repairs=tuple(Repair(count, what) for count, what in header.repairs),
     )
+    stated = header.fovy_deg
+    return trace if stated is msgspec.UNSET else replace(trace, fovy_deg=stated)

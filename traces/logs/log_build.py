@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.errors import InputError
+from ...base.errors import InputError, printable
 from .columns.column_roles import smell_of
 from .columns.column_units import clock_unit, settle_units
 from .log_columns import MS_PER, TIMED, FoundColumns, LogColumn, no_time
@@ -111,8 +111,11 @@ def build_log(
         cpu_ms=times.get("cpu_ms"),
         time_s=clock,
         header=text.header,
-        notes=(*text.notes, *found.notes, *said, *scaled, *_listed(text.unused)),
-        warnings=(*text.odd, *clock_note, *_smells(text.unused, times)),
+        # Names of columns are the file's, and may hold what moves a terminal's cursor.
+        notes=tuple(
+            map(printable, (*text.notes, *found.notes, *said, *scaled, *_listed(text.unused)))
+        ),
+        warnings=tuple(map(printable, (*text.odd, *clock_note, *_smells(text.unused, times)))),
         sources=tuple(sources),
         unused=text.unused,
         recorded={c.name: values[:, i] for i, c in enumerate(columns) if c.name in RECORDED},

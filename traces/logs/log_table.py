@@ -176,9 +176,10 @@ def _headed(
     if delimiter not in text and role_of(text) is None:  # one column of times needs no mark
         message = "expected columns separated by commas, semicolons or tabs"
         raise InputError(f"{message}, got {text[:60]!r}", path=path, line=line)
-    header = tuple(name.strip() for name in _fields(text, delimiter))
-    while len(header) > 1 and not header[-1]:  # a delimiter at the end of each row
-        header = header[:-1]
+    names = [name.strip() for name in _fields(text, delimiter)]
+    while len(names) > 1 and not names[-1]:  # a delimiter at the end of each row
+        names.pop()
+    header = tuple(names)
     if all(number_of(name, "thousands") is not None for name in header):
         message = f"expected a header row with names, got numbers ({text[:40]}); add the header"
         raise InputError(message, path=path, line=line)

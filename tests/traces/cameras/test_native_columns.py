@@ -1,5 +1,6 @@
 """The native CSV and Parquet: exact round trips and clear errors."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from pyarrow import parquet
 from lodbench.base.errors import InputError
 from lodbench.traces.cameras.camera_trace import CameraTrace, Repair
 from lodbench.traces.cameras.formats.native_csv import read_csv, write_csv
-from lodbench.traces.cameras.formats.native_parquet import read_parquet, write_parquet
+from lodbench.traces.cameras.formats.native_parquet import MOST_POSES, read_parquet, write_parquet
 
 HEADER = "time_s,x_m,y_m,z_m,qx,qy,qz,qw,cut\n"
 
@@ -29,6 +30,7 @@ def random_trace(seed: int, count: int, name: str) -> CameraTrace:
         np.append(np.array([False]), rng.random(count - 1) < 0.2),
         origin_s=float(rng.normal() * 1e9),
         repairs=(Repair(3, "repeated timestamps dropped"),),
+        fovy_deg=float(rng.uniform(1.0, 179.0)) if seed % 2 else None,
     )
 
 
@@ -37,7 +39,7 @@ def random_trace(seed: int, count: int, name: str) -> CameraTrace:
 def test_round_trip_keeps_every_bit(
     tmp_path_factory: pytest.TempPathFactory, suffix: str, seed: int, count: int, name: str
 ) -> None:
-    """Samples, cuts, name, origin and repairs come back as they were."""
+    """Samples, cuts, name, origin, repairs and field of view come back as they were."""
     write, read = {
         "csv": (write_csv, read_csv),
         "parquet": (write_parquet, read_parquet),
@@ -51,6 +53,7 @@ def test_round_trip_keeps_every_bit(
     assert np.array_equal(back.orientation_xyzw, trace.orientation_xyzw)
     assert np.array_equal(back.cut, trace.cut)
     assert (back.name, back.origin_s, back.repairs) == (trace.name, trace.origin_s, trace.repairs)
+    assert back.fovy_deg == trace.fovy_deg
 
 
 def test_csv_by_hand_needs_neither_record_nor_cut(tmp_path: Path) -> None:
@@ -133,3 +136,24 @@ def test_broken_parquet_is_refused(
     write_table(path, schema, **changed)
     with pytest.raises(InputError, match=message):
         read_parquet(path)
+
+
+def test_a_parquet_of_millions_of_poses_is_refused_before_it_is_decoded(tmp_path: Path) -> None:
+    """Zeros take 40 kB a million, and some 300 bytes a pose once they are a path."""
+    path = tmp_path / "t.parquet"
+    zeros = np.zeros(MOST_POSES + 1)
+    same = dict.fromkeys(("time_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"), zeros)
+    write_table(path, **same)
+    assert path.stat().st_size < 200_000
+    with pytest.raises(InputError, match="at most 1,000,000 poses, got 1,000,001; split the trace"):
+        read_parquet(path)
+
+
+def test_a_record_with_an_impossible_field_of_view_is_refused(tmp_path: Path) -> None:
+    """180 degrees and more see nothing on a plane."""
+    path = tmp_path / "t.csv"
+    write_csv(replace(random_trace(1, 3, "a"), fovy_deg=50.0), path)
+    assert read_csv(path).fovy_deg == 50.0
+    path.write_text(path.read_text().replace('"fovy_deg":50.0', '"fovy_deg":180'))
+    with pytest.raises(InputError, match="fovy_deg: expected degrees above 0 and below 180"):
+        read_csv(path)

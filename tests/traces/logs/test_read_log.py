@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lodbench.base.errors import InputError
+from lodbench.cli.main import run
 from lodbench.traces.logs.log_checks import check_log
 from lodbench.traces.logs.read_log import LOG_FORMATS, read_render_log
 from lodbench.traces.logs.render_log import measurable
@@ -246,3 +247,17 @@ def test_the_capped_logs_are_found_capped(data_dir: Path):
 def test_every_format_says_what_it_is():
     """The table that the command line prints has one line for each."""
     assert all("\n" not in (LOG_FORMATS.find(name).what or "\n") for name in LOG_FORMATS)
+
+
+def test_names_of_columns_neither_move_the_cursor_nor_are_markup(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """What a file calls its columns is printed as text, whatever its letters do elsewhere."""
+    path = tmp_path / "a.csv"
+    rows = "\n".join(f"{8 + i % 3},{i},{i}" for i in range(20))
+    path.write_text(f"gpu_ms [/ms],x\x1b[2J,\u202ebold\n{rows}\n", encoding="utf-8")
+    assert run(["log", "info", str(path), "--map", "gpu_ms=gpu_ms [/ms]"]) == 0
+    out, err = capsys.readouterr()
+    assert all(line.isprintable() for line in (*out.splitlines(), *err.splitlines()))
+    assert "gpu_ms [/ms]" in out
+    assert "x?[2J" in out

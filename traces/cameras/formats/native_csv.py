@@ -1,7 +1,7 @@
 """The native CSV: ``time_s,x_m,y_m,z_m,qx,qy,qz,qw,cut``, in the conventions of `camera`.
 
 Columns may stand in any order and ``cut`` (0 or 1) may be left out. A first line
-``# lodbench.trace/1 {...}`` carries name, origin and repairs as JSON; a file written by hand
+``# lodbench.trace/1 {...}`` carries name, origin, repairs and field of view as JSON; a file by hand
 needs none. Numbers are written so that reading gives back every bit.
 """
 

@@ -1,7 +1,7 @@
 """The native Parquet: the columns of the native CSV, float64 and bool, and its JSON record.
 
 The schema's metadata holds ``lodbench.schema`` = ``lodbench.trace/1`` and ``lodbench.trace``, the
-JSON of name, origin and repairs.
+JSON of name, origin, repairs and field of view.
 """
 
 from pathlib import Path
@@ -23,6 +23,9 @@ from ..native_columns import (
 )
 from ..trace_format import TraceFormat, refuse_selector
 
+MOST_POSES = 1_000_000
+"""Two hours at 120 a second.  A pose takes some kB, and a file of 100 kB can hold millions."""
+
 SCHEMA_KEY, HEADER_KEY = "lodbench.schema", "lodbench.trace"
 
 
@@ -34,6 +37,9 @@ def read_parquet(path: Path, selector: str | None = None) -> CameraTrace:
     """
     refuse_selector(selector, path, "native Parquet")
     table = ParquetColumns(path)
+    if len(table) > MOST_POSES:
+        message = f"expected at most {MOST_POSES:,} poses, got {len(table):,}"
+        raise InputError(f"{message}; split the trace, or keep fewer a second", path=path)
     schema = table.text(SCHEMA_KEY)
     if schema != SCHEMA:
         message = (
