@@ -16,10 +16,12 @@ from ..sim.replay import ReplayOptions
 from ..sim.replay import replay as _replay
 from .study.inputs import (
     WHOLE,
+    EyesLike,
     HardwareLike,
     SceneLike,
     Seconds,
     TraceLike,
+    as_eyes,
     as_hardware,
     as_scene,
     as_trace,
@@ -46,6 +48,7 @@ def replay(
     bound_every: int = 0,
     draw: int | None = None,
     memory_bytes: float | None = None,
+    eyes: EyesLike = None,
     visible_px: float = 1.0,
 ) -> FrameLog:
     """Replay a trace through a scene under one policy; return what happened, one row a frame.
@@ -53,7 +56,8 @@ def replay(
     It is replayed in this very process, where a debugger sees it and what it prints is seen, and
     which it can end: `compare` and `check` replay in processes apart.
 
-    Keywords are those of `ReplayOptions`.  The same arguments give the same bytes.
+    Keywords are those of `ReplayOptions`, but that `eyes` may be metres between them.  The same
+    arguments give the same bytes.
 
     Raises `InputError` if something named cannot be loaded, and `PolicyError` if the policy raises
     or a selection breaks its contract.
@@ -70,6 +74,7 @@ def replay(
         bound_every=bound_every,
         draw=draw,
         memory_bytes=memory_bytes,
+        eyes=as_eyes(eyes),
         visible_px=visible_px,
     )
     path, machine = as_trace(trace, world), as_hardware(hardware)
@@ -97,6 +102,7 @@ def compare(
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
+    eyes: EyesLike = None,
     place: str = "shrink",
     draws: int = 8,
     workers: int = 1,
@@ -134,6 +140,8 @@ def compare(
         The stretch of each path that is replayed, (start, end); an end of None is the path's.
     warmup_s
         Seconds at its start that do not count.
+    eyes
+        Metres between two eyes, or an `Eyes`; None for one camera.
     workers
         Processes; 0 for as many as there are processors.  No policy is replayed in this process.
     scheduler
@@ -167,6 +175,7 @@ def compare(
             measurement_delay=measurement_delay,
             faults=faults or Faults(),
             memory_bytes=memory_bytes,
+            eyes=as_eyes(eyes),
             visible_px=visible_px,
         )
         compared = compare_specs(
@@ -215,6 +224,7 @@ def check(
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
+    eyes: EyesLike = None,
     place: str = "shrink",
     workers: int = 1,
     scheduler: str | None = None,
@@ -237,7 +247,7 @@ def check(
         Replays of each policy on each path.
     seconds
         The stretch of each path that is replayed, (start, end).
-    budget_ms, warmup_s, visible_px, workers, scheduler, policy_timeout_s, policy_memory_bytes
+    budget_ms, warmup_s, visible_px, eyes, workers, scheduler, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -268,6 +278,7 @@ def check(
         measurement_delay=measurement_delay,
         faults=faults,
         memory_bytes=memory_bytes,
+        eyes=as_eyes(eyes),
         place=place,
     )
     options = MeasureOptions(

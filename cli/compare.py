@@ -8,6 +8,7 @@ from typer import Argument, Exit, Option
 from ..base.errors import InputError
 from .shared import options, printed_files
 from .shared.command_line import command_of
+from .shared.eyes import make_eyes
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,
@@ -116,6 +117,9 @@ def compare(
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = 60.0,
+    eyes: options.Eyes = None,
+    eye_size: options.EyeSize = None,
+    single_pass: options.SinglePass = False,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
@@ -175,6 +179,7 @@ def compare(
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
             memory_bytes=memory,
+            eyes=make_eyes(eyes, eye_size, single_pass=single_pass),
         )
         settings = CompareSettings(
             warmup_s=warmup,

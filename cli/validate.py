@@ -6,8 +6,8 @@ from typing import Annotated
 from typer import Option
 
 from ..base.errors import InputError
-from .record import parse_size
 from .shared import options
+from .shared.picture_size import parse_size
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,

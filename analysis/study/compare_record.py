@@ -111,4 +111,5 @@ def _conditions(bench: Bench, scene: Scene, hardware: HardwareProfile) -> Condit
         nodes=len(scene),
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
+        eyes=options.eyes,
     )

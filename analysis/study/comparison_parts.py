@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from ...models.scene.rig import Eyes
 from ..metrics.metric import Better
 from ..metrics.steps import Step
 
@@ -151,6 +152,7 @@ class Conditions:
     nodes: int
     hardware_source: str
     hardware_assumed: bool
+    eyes: Eyes | None = None
 
 
 @dataclass(frozen=True, slots=True)

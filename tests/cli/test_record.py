@@ -15,7 +15,7 @@ import trimesh
 
 from lodbench.base.errors import InputError
 from lodbench.cli.main import run
-from lodbench.cli.record import parse_size
+from lodbench.cli.shared.picture_size import parse_size
 from lodbench.models.scene.scene_file import read_geometry, read_scene, write_scene
 from lodbench.sim.frame_log_file import read_frame_log
 from lodbench.traces.logs.read_log import read_render_log

@@ -27,6 +27,8 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "paths", describe_paths(comparison)
     yield "hardware", f"{comparison.hardware}: {measured}; {c.hardware_source}"
     yield "display", f"{c.display}, {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
+    if c.eyes is not None:
+        yield "cameras", f"two eyes, {c.eyes}"
     yield "pipeline", f"{c.frames_in_flight} frames in flight, {pacing}, fovy {c.fovy_deg:g}°"
     yield "cross-fade", f"{c.crossfade_ms:g} ms"
     yield "timers", f"read {c.measurement_delay} frames after completion"
