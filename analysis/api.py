@@ -102,6 +102,7 @@ def compare(
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
+    players: int = 1,
     eyes: EyesLike = None,
     place: str = "shrink",
     draws: int = 8,
@@ -140,6 +141,8 @@ def compare(
         The stretch of each path that is replayed, (start, end); an end of None is the path's.
     warmup_s
         Seconds at its start that do not count.
+    players
+        How many share a screen: so many paths after each other are one.
     eyes
         Metres between two eyes, or an `Eyes`; None for one camera.
     workers
@@ -181,7 +184,15 @@ def compare(
         compared = compare_specs(
             specs_of(compared_policies() if policies is None else policies),
             world,
-            load_paths(_several(traces), world, place, paths=paths, seconds=seconds, seed=seed),
+            load_paths(
+                _several(traces),
+                world,
+                place,
+                paths=paths,
+                seconds=seconds,
+                seed=seed,
+                players=players,
+            ),
             machine,
             options,
             CompareSettings(

@@ -117,6 +117,7 @@ def compare(
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = 60.0,
+    players: options.Players = 1,
     eyes: options.Eyes = None,
     eye_size: options.EyeSize = None,
     single_pass: options.SinglePass = False,
@@ -169,6 +170,7 @@ def compare(
             length_s=QUICK_LENGTH_S if quick else None,
             seconds=parse_seconds(seconds),
             seed=seed,
+            players=players,
         )
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),

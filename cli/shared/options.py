@@ -55,6 +55,10 @@ SinglePass = Annotated[
         help="Submit every object once for both eyes (instanced stereo, multiview).",
     ),
 ]
+Players = Annotated[
+    int,
+    Option(metavar="N", help="Split the screen among players: each N paths, in order, share one."),
+]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
 Pacing = Annotated[
     str | None,
@@ -130,26 +134,7 @@ Meshes = Annotated[
 ]
 SceneOut = Annotated[Path, Option("--out", help="Scene file to write, *.lodscene.")]
 Layout = Annotated[str, Option(help="grid, scatter, rows, city or forest.")]
-MeshEyes = Annotated[
-    float | None,
-    Option(
-        "--eyes",
-        metavar="M",
-        help="Look with two eyes that are so many metres apart, people's 0.064; each has half of "
-        "the display's width.",
-    ),
-]
-EyeSize = Annotated[
-    str | None, Option("--eye-size", metavar="WxH", help="Picture of each eye; else half.")
-]
-SinglePass = Annotated[
-    bool,
-    Option(
-        "--single-pass",
-        help="Submit every object once for both eyes (instanced stereo, multiview).",
-    ),
-]
-Seed = Annotated[int, Option(help="Same seed and meshes, same file.")]
+MeshSeed = Annotated[int, Option(help="Same seed and meshes, same file.")]
 Levels = Annotated[int, Option(help="Levels at most, the full mesh included.")]
 SpacingM = Annotated[float, Option(help="Free space between bounding spheres.")]
 SideM = Annotated[float | None, Option(help="Side of the square; else as large as needed.")]
