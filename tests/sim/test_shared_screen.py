@@ -151,6 +151,6 @@ def test_too_many_players_are_refused(ahead: CameraTrace) -> None:
 
 
 def test_players_have_one_eye_each(ahead: CameraTrace, play: Callable[..., FrameLog]) -> None:
-    """Headsets that share a screen are nobody's; a silent choice of either would be a wrong cost."""
+    """Headsets that share a screen are nobody's; to drop either in silence is a wrong cost."""
     with pytest.raises(InputError, match="expected one player with two eyes, got 2 who share"):
         play("full", together([ahead] * 2), eyes=Eyes(apart_m=0.1))
