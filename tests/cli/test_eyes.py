@@ -16,8 +16,11 @@ from lodbench.cli.shared.eyes import make_eyes
 from lodbench.models.scene.rig import Eyes
 from lodbench.render.gl.opengl_machine import GlMachine
 
-QUICK = ["compare", "--scene", "plaza", "--as-shipped", "--seeds", "1", "--draws", "0", "--workers"]
-QUICK += ["1", "--policy", "static-screen", "--json", "--warmup", "0.2", "--seconds", "0:0.5"]
+QUICK = [
+    *("compare", "--scene", "plaza", "--as-shipped", "--seeds", "1", "--draws", "0"),
+    *("--workers", "1", "--policy", "static-screen", "--json", "--warmup", "0.2"),
+    *("--seconds", "0:0.5"),
+]
 
 
 def test_options_say_what_eyes_there_are() -> None:
