@@ -17,10 +17,12 @@ from ..sim.replay import replay as _replay
 from .study.field_of_view import field_of_view
 from .study.inputs import (
     WHOLE,
+    EyesLike,
     HardwareLike,
     SceneLike,
     Seconds,
     TraceLike,
+    as_eyes,
     as_hardware,
     as_scene,
     as_trace,
@@ -47,6 +49,7 @@ def replay(
     bound_every: int = 0,
     draw: int | None = None,
     memory_bytes: float | None = None,
+    eyes: EyesLike = None,
     visible_px: float = 1.0,
 ) -> FrameLog:
     """Replay a trace through a scene under one policy; return what happened, one row a frame.
@@ -54,8 +57,8 @@ def replay(
     It is replayed in this very process, where a debugger sees it and what it prints is seen, and
     which it can end: `compare` and `check` replay in processes apart.
 
-    Keywords are those of `ReplayOptions`; a `fovy_deg` of None is what the trace states, or 60.
-    The same arguments give the same bytes.
+    Keywords are those of `ReplayOptions`, but that `eyes` may be metres between them; a `fovy_deg`
+    of None is what the trace states, or 60.  The same arguments give the same bytes.
 
     Raises `InputError` if something named cannot be loaded, and `PolicyError` if the policy raises
     or a selection breaks its contract.
@@ -73,6 +76,7 @@ def replay(
         bound_every=bound_every,
         draw=draw,
         memory_bytes=memory_bytes,
+        eyes=as_eyes(eyes),
         visible_px=visible_px,
     )
     return _replay(spec.make(), world, path, machine, options, name=spec.label)
@@ -99,6 +103,8 @@ def compare(
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
+    players: int = 1,
+    eyes: EyesLike = None,
     place: str = "shrink",
     draws: int = 8,
     workers: int = 1,
@@ -136,6 +142,10 @@ def compare(
         The stretch of each path that is replayed, (start, end); an end of None is the path's.
     warmup_s
         Seconds at its start that do not count.
+    players
+        How many share a screen: so many paths after each other are one.
+    eyes
+        Metres between two eyes, or an `Eyes`; None for one camera.
     workers
         Processes; 0 for as many as there are processors.  No policy is replayed in this process.
     scheduler
@@ -161,7 +171,15 @@ def compare(
     with claimed_target(None if out is None else Path(out)) as target:
         prepare_engine(scheduler)
         world, machine = as_scene(scene), as_hardware(hardware)
-        walked = load_paths(_several(traces), world, place, paths=paths, seconds=seconds, seed=seed)
+        walked = load_paths(
+            _several(traces),
+            world,
+            place,
+            paths=paths,
+            seconds=seconds,
+            seed=seed,
+            players=players,
+        )
         options = ReplayOptions(
             budget_ms=machine.budget_ms(budget_ms),
             seed=seed,
@@ -170,6 +188,7 @@ def compare(
             measurement_delay=measurement_delay,
             faults=faults or Faults(),
             memory_bytes=memory_bytes,
+            eyes=as_eyes(eyes),
             visible_px=visible_px,
         )
         compared = compare_specs(
@@ -218,6 +237,7 @@ def check(
     measurement_delay: int = 0,
     faults: Faults | None = None,
     memory_bytes: float | None = None,
+    eyes: EyesLike = None,
     place: str = "shrink",
     workers: int = 1,
     scheduler: str | None = None,
@@ -240,7 +260,7 @@ def check(
         Replays of each policy on each path.
     seconds
         The stretch of each path that is replayed, (start, end).
-    budget_ms, warmup_s, visible_px, workers, scheduler, policy_timeout_s, policy_memory_bytes
+    budget_ms, warmup_s, visible_px, eyes, workers, scheduler, policy_timeout_s, policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -271,6 +291,7 @@ def check(
         measurement_delay=measurement_delay,
         faults=faults,
         memory_bytes=memory_bytes,
+        eyes=as_eyes(eyes),
         place=place,
     )
     options = MeasureOptions(

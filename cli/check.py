@@ -16,6 +16,7 @@ from .compare import (
     RefreshHz,
 )
 from .shared import options
+from .shared.eyes import make_eyes
 from .shared.progress import progress_bar
 from .shared.terminal import print_record, print_result
 
@@ -87,6 +88,9 @@ def check(
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = None,
+    eyes: options.Eyes = None,
+    eye_size: options.EyeSize = None,
+    single_pass: options.SinglePass = False,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
@@ -137,6 +141,7 @@ def check(
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
             memory_bytes=memory,
+            eyes=make_eyes(eyes, eye_size, single_pass=single_pass),
             place=place,
         )
         sampling = MeasureOptions(

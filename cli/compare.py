@@ -8,6 +8,7 @@ from typer import Argument, Exit, Option
 from ..base.errors import InputError
 from .shared import options, printed_files
 from .shared.command_line import command_of
+from .shared.eyes import make_eyes
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,
@@ -117,6 +118,10 @@ def compare(
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = None,
+    players: options.Players = 1,
+    eyes: options.Eyes = None,
+    eye_size: options.EyeSize = None,
+    single_pass: options.SinglePass = False,
     crossfade_ms: CrossfadeMs = 0.0,
     measurement_delay: MeasurementDelay = 0,
     faults: FaultyTimers = "",
@@ -167,6 +172,7 @@ def compare(
             length_s=QUICK_LENGTH_S if quick else None,
             seconds=parse_seconds(seconds),
             seed=seed,
+            players=players,
         )
         replay = ReplayOptions(
             budget_ms=profile.budget_ms(budget_ms),
@@ -177,6 +183,7 @@ def compare(
             measurement_delay=measurement_delay,
             faults=parse_faults(faults),
             memory_bytes=memory,
+            eyes=make_eyes(eyes, eye_size, single_pass=single_pass),
         )
         tell_field_of_view(walked, replay.fovy_deg)
         settings = CompareSettings(

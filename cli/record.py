@@ -8,6 +8,7 @@ from typer import Option
 
 from ..base.errors import InputError
 from .shared import options
+from .shared.picture_size import parse_size
 from .shared.progress import progress_bar
 from .shared.terminal import open_named_scene, tell_field_of_view
 
@@ -147,19 +148,6 @@ def _check_outputs(out: Path, frame_log: Path | None, images: Path | None) -> No
                 "expected a log outside of the folder of pictures, got one in it; name another",
                 path=file.resolve(),
             )
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Return width and height of ``WIDTHxHEIGHT``.
-
-    Raises `InputError` if it is anything else.
-    """
-    width, _, height = text.partition("x")
-    if all(
-        side.isascii() and side.isdecimal() and 16 <= int(side) <= 16384 for side in (width, height)
-    ):
-        return int(width), int(height)
-    raise InputError(f"--size: expected WIDTHxHEIGHT from 16x16 to 16384x16384, got {text}")
 
 
 def _print(summary: dict[str, Any], *, as_json: bool) -> None:

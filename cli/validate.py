@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Exit, Option
 
 from ..base.errors import InputError
-from .record import Clock, FramesInFlight, parse_size
+from .record import Clock, FramesInFlight
 from .shared import options
+from .shared.picture_size import parse_size
 from .shared.progress import progress_bar
 from .shared.terminal import (
     failure_of,

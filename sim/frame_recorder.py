@@ -117,6 +117,7 @@ class FrameRecorder:
         self._index_sets, self._first_uses = IndexSets(scene), FirstUses(scene.types.levels)
         self._holes = Holes(scene)
         self._machine, self._memory, self._policy = machine, memory, policy
+        self._players = sight.players
         self._loaded_bytes = 0
         self._depth = None if tree is None else tree.depth
         self._depths = 0 if tree is None else int(tree.depth.max()) + 1
@@ -161,7 +162,7 @@ class FrameRecorder:
             switches.levels_changed, first.levels, first.bytes + extraction.bytes
         )
         tally = accounting.tally(view.time_ns, drawn, selection.render_scale, changes)
-        counts = (*tally.price.units, *_cpu_counts(view, selection, extraction))
+        counts = (*tally.price.units, *_cpu_counts(view, selection, extraction, self._players))
         named = dict(zip(_PREDICTORS, counts, strict=True))
         gpu_ms = tally.price.gpu_ms
         times = self._machine.run(Submitted(view, selection, drawn, named, gpu_ms))
@@ -236,7 +237,9 @@ class FrameRecorder:
         return self._loaded_bytes - before
 
 
-def _cpu_counts(view: View, selection: Selection, extraction: Extraction) -> tuple[float, ...]:
+def _cpu_counts(
+    view: View, selection: Selection, extraction: Extraction, players: int
+) -> tuple[float, ...]:
     """Return what a frame asks of the CPU beside its draw calls and changes of level."""
     work = selection.work
     return (
@@ -246,5 +249,6 @@ def _cpu_counts(view: View, selection: Selection, extraction: Extraction) -> tup
         extraction.levels,
         extraction.triangles_changed,
         extraction.borrowed,
-        len(view.scene),
+        # Two eyes are culled by one frustum around both, each player by his own.
+        players * len(view.scene),
     )

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.arrays import FloatArray
+from ..base.errors import InputError
 from ..models.machine.hardware import Display
 from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
@@ -14,6 +15,7 @@ from ..models.scene.nodes import Nodes
 from ..models.scene.rig import Rig, RigCuller
 from ..models.scene.scene import Scene
 from ..traces.cameras.camera_trace import CameraTrace
+from ..traces.cameras.shared_screen import split
 from .replay_options import ReplayOptions
 
 
@@ -23,7 +25,7 @@ class Seen(NamedTuple):
     Attributes
     ----------
     camera : Camera
-        The only one, or the head between two eyes.
+        The only one, the head between two eyes, or the first player's.
     rig : Rig or None
         The cameras where several look at once.
     centers : Placed
@@ -47,8 +49,8 @@ class Sight:
     ----------
     first : Camera
         The head, or the only camera, at the path's beginning; all have its lens.
-    cameras, passes : int
-        How many look at once, and how many of them draw by themselves.
+    cameras, passes, players : int
+        How many look at once, how many of them draw by themselves, and for how many players.
     inside : (N,) bool
         Nodes that any camera sees, read-only; the next look overwrites it.
     """
@@ -56,15 +58,23 @@ class Sight:
     def __init__(
         self, scene: Scene, trace: CameraTrace, display: Display, options: ReplayOptions
     ) -> None:
-        self._scene, self._trace, self._eyes = scene, trace, options.eyes
+        """Raise InputError if players who share a screen are to have two eyes each."""
+        self._scene, self._eyes = scene, options.eyes
+        self._paths = split(trace)
         self._fovy_rad = math.radians(options.fovy_deg)
-        self._size_px = (display.width_px, display.height_px)
-        self.cameras = self.passes = 1
+        self.players = self.cameras = self.passes = len(self._paths)
+        across, down = _split(self.players)
+        self._size_px = (display.width_px // across, display.height_px // down)
         if options.eyes is not None:
+            if self.players > 1:
+                raise InputError(
+                    f"eyes: expected one player with two eyes, got {self.players} who share a "
+                    "screen; leave out one of the two"
+                )
             self._size_px = options.eyes.size_px or (display.width_px // 2, display.height_px)
             self.cameras = 2
             self.passes = 1 if options.eyes.single_pass else 2
-        self.first = self._camera(0.0)
+        self.first = self._camera(self._paths[0], 0.0)
         self._centers = Centers(scene.center_m, scene.motion)
         cullers = [
             Culler(self._centers, scene.radius_m, scene.blocks, scene.cells)
@@ -79,14 +89,17 @@ class Sight:
 
     def look(self, time_s: float) -> Seen:
         """Return what is seen at a time; times are asked for in their order."""
-        camera, centers = self._camera(time_s), self._centers.at(time_s)
+        camera, centers = self._camera(self._paths[0], time_s), self._centers.at(time_s)
         if self._rig_culler is None:
             ids, xyz_m = self._culler.cull(centers, camera)
             if ids is not self._nodes.ids:
                 self._nodes = Nodes(self._scene, ids, self._culler.at)
             return Seen(camera, None, centers, self._nodes, xyz_m)
-        assert self._eyes is not None, "several cameras are eyes"
-        cameras = self._eyes.of(camera)
+        if self._eyes is None:
+            others = (self._camera(path, time_s) for path in self._paths[1:])
+            cameras = (camera, *others)
+        else:
+            cameras = self._eyes.of(camera)
         culler = self._rig_culler
         ids = culler.cull(centers, cameras)
         if ids is not self._nodes.ids:
@@ -96,6 +109,11 @@ class Sight:
         xyz_m = camera.to_camera(centers.all_m.take(culler.at, axis=1))
         return Seen(camera, rig, centers, self._nodes, xyz_m)
 
-    def _camera(self, time_s: float) -> Camera:
-        pose = self._trace.pose_at(time_s)
+    def _camera(self, path: CameraTrace, time_s: float) -> Camera:
+        pose = path.pose_at(time_s)
         return Camera(pose.position_m, pose.orientation_xyzw, *self._size_px, self._fovy_rad)
+
+
+def _split(players: int) -> tuple[int, int]:
+    """Return how many pictures stand side by side and one above another: two lie, as in games."""
+    return (1, players) if players < 3 else (2, 2)

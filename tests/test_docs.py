@@ -29,6 +29,8 @@ OTHER_TOOLS = {"cd", "dask", "git", "make", "pip", "python"}
 ON_A_CLUSTER = ROOT / "docs" / "clusters.md"
 STUDIO = ROOT / "docs" / "studio.md"
 """Its files are a studio's; ``tests/docs/test_studio_page.py`` makes such ones, and runs it."""
+CAMERAS = ROOT / "docs" / "several-cameras.md"
+"""It is run by ``tests/docs/test_several_cameras_page.py``, with what its table claims."""
 README = ROOT / "README.md"
 """It is run by ``tests/docs/test_readme.py``, with what it shows and claims."""
 
@@ -90,7 +92,7 @@ def run_installed(line: str) -> tuple[int, str]:
 RUNNING = [
     page
     for page in PAGES
-    if page not in {ON_A_CLUSTER, STUDIO, README}
+    if page not in {ON_A_CLUSTER, STUDIO, CAMERAS, README}
     and any(line.startswith("lodbench ") for line in commands(page))
 ]
 ON_REAL_DATA = [page for page in RUNNING if any("data/" in line for line in commands(page))]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...base.errors import InputError
+from ...models.scene.rig import Eyes
 from ...policies.registry import PolicyLikes, specs_of
 from ...sim.faults import Faults
 from ...sim.replay import ReplayOptions
@@ -64,6 +65,7 @@ class CheckPlan:
     measurement_delay: int = 0
     faults: Faults | None = None
     memory_bytes: float | None = None
+    eyes: Eyes | None = None
     place: str = "shrink"
 
 
@@ -85,6 +87,7 @@ def measure_plan(
         measurement_delay=plan.measurement_delay,
         faults=plan.faults or Faults(),
         memory_bytes=plan.memory_bytes,
+        eyes=plan.eyes,
     )
     specs = specs_of(plan.policies)
     scenes = [as_scene(scene) for scene in plan.scenes]

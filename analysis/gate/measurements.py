@@ -13,6 +13,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import require_whole
 from ...models.machine.hardware import HardwareProfile
+from ...models.scene.rig import Eyes
 from ...models.scene.scene import Scene
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import require_distinct
@@ -70,6 +71,7 @@ class Conditions:
     fovy_deg: float = 60.0
     crossfade_ms: float = 0.0
     measurement_delay: int = 0
+    eyes: Eyes | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,6 +167,7 @@ def conditions_of(
         fovy_deg=options.fovy_deg,
         crossfade_ms=options.crossfade_ms,
         measurement_delay=options.measurement_delay,
+        eyes=options.eyes,
     )
 
 

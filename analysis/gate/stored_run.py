@@ -82,4 +82,5 @@ def _conditions(comparison: Comparison) -> Conditions:
         fovy_deg=had.fovy_deg,
         crossfade_ms=had.crossfade_ms,
         measurement_delay=had.measurement_delay,
+        eyes=had.eyes,
     )

@@ -115,4 +115,5 @@ def _conditions(
         hardware_source=hardware.provenance.source,
         hardware_assumed=hardware.provenance.assumed,
         fovy_of=whose_field_of_view(paths, options.fovy_deg),
+        eyes=options.eyes,
     )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from ...models.scene.rig import Eyes
 from ..metrics.metric import Better
 from ..metrics.steps import Step
 
@@ -162,6 +163,7 @@ class Conditions:
     hardware_source: str
     hardware_assumed: bool
     fovy_of: str = ""
+    eyes: Eyes | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from ...base.errors import InputError, text_of
 from ...base.nearest_names import unknown_name
 from ...models.machine.hardware import HardwareProfile
 from ...models.machine.profile_catalog import load_hardware
+from ...models.scene.rig import Eyes
 from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import load_scene
 from ...traces.cameras.camera_trace import CameraTrace
@@ -37,6 +38,8 @@ since a scale multiplies speeds too; ``fit`` scales it to fill the scene; ``cent
 SceneLike: TypeAlias = str | PathLike[str] | Scene
 TraceLike: TypeAlias = str | PathLike[str] | CameraTrace
 HardwareLike: TypeAlias = str | PathLike[str] | HardwareProfile
+EyesLike: TypeAlias = float | Eyes | None
+"""Two eyes, or how many metres they are apart; None for one camera."""
 
 
 Seconds: TypeAlias = tuple[float, float | None]
@@ -74,6 +77,11 @@ def as_trace(trace: TraceLike, scene: SceneLike, place: str = "shrink") -> Camer
 def as_hardware(hardware: HardwareLike) -> HardwareProfile:
     """Return a profile, loaded if it is named; raises InputError as `load_hardware` does."""
     return load_hardware(hardware)
+
+
+def as_eyes(eyes: EyesLike) -> Eyes | None:
+    """Return the eyes that a distance stands for; raises InputError as `Eyes` does."""
+    return eyes if eyes is None or isinstance(eyes, Eyes) else Eyes(apart_m=eyes)
 
 
 def load_trace(name_or_path: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:

@@ -10,6 +10,7 @@ from ...models.scene.scene import Scene
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.generate import KINDS
 from ...traces.cameras.read_trace import split_spec
+from ...traces.cameras.shared_screen import MOST_PLAYERS, together
 from .inputs import TraceLike, load_trace, made_length_s
 from .stages import find_stage
 
@@ -31,6 +32,7 @@ def load_paths(
     length_s: float | None = None,
     seconds: Seconds | None = None,
     seed: int = 0,
+    players: int = 1,
 ) -> tuple[CameraTrace, ...]:
     """Return the paths of traces, each placed in a scene and cut, with names that differ.
 
@@ -52,6 +54,8 @@ def load_paths(
         Of the paths of a kind, whose parts scale with it; None for the kind's own.
     seconds
         The stretch of each path that is kept; None for all of it.
+    players
+        How many share a screen: so many paths after each other are one.
     """
     require_whole(paths, "paths", 1)
     require_whole(seed, "seed", 0)
@@ -68,7 +72,18 @@ def load_paths(
             found.append(load_trace(trace, scene, place))
     if seconds is not None:
         found = [path.stretch(*seconds) for path in found]
-    return tuple(_named_apart(found))
+    return tuple(_named_apart(_shared(found, players)))
+
+
+def _shared(paths: list[CameraTrace], players: int) -> list[CameraTrace]:
+    """Return what is replayed where so many players share a screen."""
+    require_whole(players, "players", 1)
+    if len(paths) % players or players > MOST_PLAYERS:
+        raise InputError(
+            f"players: expected 1 to {MOST_PLAYERS}, and paths for all of them, got {players} "
+            f"and {len(paths)} paths; name a path for each player, or ask for a multiple with paths"
+        )
+    return [together(paths[at : at + players]) for at in range(0, len(paths), players)]
 
 
 def _each_once(traces: Sequence[TraceLike]) -> list[TraceLike]:

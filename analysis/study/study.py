@@ -27,7 +27,7 @@ from .axes.parameters import Parameters, by_label, column_of, param_axis
 from .axes.study_inputs import StudyInputs
 from .engine.limits import Limits
 from .engine.open_engine import open_engine
-from .inputs import WHOLE, HardwareLike, SceneLike, Seconds, TraceLike
+from .inputs import WHOLE, EyesLike, HardwareLike, SceneLike, Seconds, TraceLike, as_eyes
 from .results.record import COLUMNS
 from .results.run_list import RunList
 from .run import Run
@@ -72,6 +72,8 @@ class Study:
         Vertical field of view; None for what each path states, or 60.
     crossfade_ms, measurement_delay, faults, bound_every, memory_bytes, visible_px
         As `ReplayOptions` has them.
+    eyes
+        Metres between two eyes, or an `Eyes`; None for one camera.
     display, refresh_hz, frames_in_flight, pacing, latency_limit
         Mode and rate of the display, frames between CPU and GPU, and what frames wait for before
         they begin; None for the profile's.
@@ -109,6 +111,7 @@ class Study:
         bound_every: int | Sequence[int] = 0,
         memory_bytes: float | Sequence[float | None] | None = None,
         visible_px: float | Sequence[float] = 1.0,
+        eyes: EyesLike | Sequence[EyesLike] = None,
         display: str | Sequence[str | None] | None = None,
         refresh_hz: float | Sequence[float | None] | None = None,
         frames_in_flight: int | Sequence[int | None] | None = None,
@@ -136,6 +139,7 @@ class Study:
             "bound_every": bound_every,
             "memory_bytes": memory_bytes,
             "visible_px": visible_px,
+            "eyes": tuple(map(as_eyes, several(eyes))),
         }
         options["seed"] = range(seeds) if isinstance(seeds, int) else seeds
         values = {key: several(values) for key, values in options.items()}

@@ -39,6 +39,29 @@ FovyDeg = Annotated[
     float | None,
     Option(help="Vertical field of view; else what the path's file states, or 60."),
 ]
+Eyes = Annotated[
+    float | None,
+    Option(
+        "--eyes",
+        metavar="M",
+        help="Look with two eyes that are so many metres apart, people's 0.064; each has half of "
+        "the display's width.",
+    ),
+]
+EyeSize = Annotated[
+    str | None, Option("--eye-size", metavar="WxH", help="Picture of each eye; else half.")
+]
+SinglePass = Annotated[
+    bool,
+    Option(
+        "--single-pass",
+        help="Submit every object once for both eyes (instanced stereo, multiview).",
+    ),
+]
+Players = Annotated[
+    int,
+    Option(metavar="N", help="Split the screen among players: each N paths, in order, share one."),
+]
 Seed = Annotated[int, Option(help="Same seed, same results.")]
 Pacing = Annotated[
     str | None,

@@ -64,7 +64,8 @@ class CostModel:
     linear_ms: FloatArray
     roofline_ms: FloatArray
     knees: tuple[Knee, ...] = ()
-    passes: int = 1
+    # No number of the machine's: it takes no part in its content.
+    passes: int = field(default=1, compare=False)
 
     def __post_init__(self) -> None:
         require_whole(self.passes, "passes", 1)

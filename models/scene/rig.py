@@ -48,6 +48,11 @@ class Eyes:
         for side in self.size_px or ():
             require_whole(side, "eye size", 1)
 
+    def __str__(self) -> str:
+        width_px, height_px = self.size_px or (0, 0)
+        size = f", {width_px} × {height_px} px each" if self.size_px else ""
+        return f"{1e3 * self.apart_m:g} mm apart{size}{', in a single pass' * self.single_pass}"
+
     def of(self, head: Camera) -> tuple[Camera, Camera]:
         """Return the left and the right eye of a head, both with its lens."""
         right = 0.5 * self.apart_m * head.axes[0]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...models.scene.benefit import level_primitives
+from ...models.scene.camera import Camera
 from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
@@ -124,9 +125,15 @@ class Hoppe:
 
 
 def _at_rest(view: View) -> bool:
-    now, before = view.camera, view.state.previous_camera
+    before, rig = view.state.previous_camera, view.state.rig
     if before is None or view.scene.motion is not None:
         return False
+    if rig is not None:
+        return all(map(_stands, rig.previous, rig.cameras))
+    return _stands(before, view.camera)
+
+
+def _stands(before: Camera, now: Camera) -> bool:
     moved_m = math.dist(now.position_m, before.position_m)
     # Between two equal poses interpolation may round.
     return moved_m < 1e-9 and math.dist(now.orientation_xyzw, before.orientation_xyzw) < 1e-12

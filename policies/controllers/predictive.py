@@ -115,9 +115,7 @@ class Predictive:
         """Return what the policy selects on the predicted pose."""
         state = view.state
         camera = self._predict(view)
-        seen = replace(
-            state, camera=camera, previous_camera=self._before, rig=self._ahead(view, camera)
-        )
+        seen = replace(state, camera=camera, previous_camera=self._before, rig=self._ahead(view))
         self._before = camera
         xyz_m = camera.to_camera(state.centers_m.take(view.ids, axis=1))
         return self._inner.select(seen.view(view.ids, xyz_m))
@@ -128,6 +126,11 @@ class Predictive:
             return now
         self._step_s = step_s if math.isnan(self._step_s) else self._step_s
         self._step_s += (step_s - self._step_s) / 8.0  # a mean over some eight frames
+        return self._go_on(before, now, view)
+
+    def _go_on(self, before: Camera, now: Camera, view: View) -> Camera:
+        """Return where a camera will be; where it is if it jumped there."""
+        step_s = view.state.step_s
         speed_m_s = math.dist(before.position_m, now.position_m) / step_s
         _, half_rad = _near(before.orientation_xyzw, now.orientation_xyzw)
         turn_deg_s = math.degrees(2.0 * half_rad) / step_s
@@ -135,14 +138,13 @@ class Predictive:
             return now
         return extrapolate(before, now, self._horizon_s(view) / step_s)
 
-    def _ahead(self, view: View, camera: Camera) -> Rig | None:
-        """Return where all cameras will be, where several look; they move as the first does."""
+    def _ahead(self, view: View) -> Rig | None:
+        """Return where each camera will be, where several look."""
         rig = view.state.rig
-        if rig is None or camera is view.camera or not rig.previous:
+        if rig is None or not rig.previous or view.state.step_s <= 0.0:
             return rig
-        ahead = self._horizon_s(view) / view.state.step_s
         pairs = zip(rig.previous, rig.cameras, strict=True)
-        return replace(rig, cameras=tuple(extrapolate(*pair, ahead) for pair in pairs))
+        return replace(rig, cameras=tuple(self._go_on(*pair, view) for pair in pairs))
 
     def _horizon_s(self, view: View) -> float:
         if self.horizon_ms is not None:

@@ -80,6 +80,8 @@ class GlMachine:
 
     def run(self, frame: Submitted) -> FrameTimes:
         """Draw the frame; return what it took."""
+        if frame.view.state.rig is not None:
+            raise InputError("opengl: expected one camera, got several; leave out eyes or players")
         picture = picture_of(frame)
         return FrameTimes(0.0, 0.0, self.measure(picture, expected_units(frame, picture)))
 

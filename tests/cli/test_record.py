@@ -12,7 +12,7 @@ import pytest
 
 from lodbench.base.errors import InputError
 from lodbench.cli.main import run
-from lodbench.cli.record import parse_size
+from lodbench.cli.shared.picture_size import parse_size
 from lodbench.sim.frame_log_file import read_frame_log
 from lodbench.traces.logs.read_log import read_render_log
 

@@ -4,12 +4,15 @@ Where one recording is all there is, policies are tuned on its variations.  They
 stands such a visit; of other visits they tell nothing.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.errors import require_whole
 from .camera_trace import CameraTrace
 from .orientation import turn_by
+from .shared_screen import SharedScreen, share, split
 from .trace_stats import trace_stats
 
 SPEED = 0.2
@@ -35,6 +38,8 @@ def vary(trace: CameraTrace, seed: int) -> CameraTrace:
     Raises `InputError` if the seed is not a whole number of at least 0.
     """
     require_whole(seed, "seed", 0)
+    if isinstance(trace, SharedScreen):
+        return _vary_each(trace, seed)
     speed_rng, gaze_rng = np.random.default_rng(seed).spawn(2)
     length_s = trace.duration_s
     if length_s == 0.0:  # a path of one pose
@@ -57,6 +62,14 @@ def vary(trace: CameraTrace, seed: int) -> CameraTrace:
         np.append(False, np.diff(passed) != 0),
         fovy_deg=trace.fovy_deg,
     )
+
+
+def _vary_each(trace: SharedScreen, seed: int) -> CameraTrace:
+    """Return a variation of every player's path, no two of which vary alike."""
+    players = split(trace)
+    seeds = np.random.SeedSequence(seed).generate_state(len(players)).tolist()
+    varied = [vary(path, each) for path, each in zip(players, seeds, strict=True)]
+    return share(replace(varied[0], name=f"{trace.name} variation {seed}"), varied[1:])
 
 
 def _there_and_back(time_s: FloatArray, length_s: float) -> FloatArray:

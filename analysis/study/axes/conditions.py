@@ -9,6 +9,7 @@ import numpy as np
 
 from ....base.errors import InputError, require_whole
 from ....models.machine.hardware import HardwareProfile
+from ....models.scene.rig import Eyes
 from ....sim.faults import Faults
 from ....sim.replay import ReplayOptions
 from ..runs import choose_draws
@@ -43,8 +44,7 @@ def option_axis(name: str, given: Any) -> Axis:
         if value is not None or name not in {"budget_ms", "fovy_deg", "seed"}:
             checked: dict[str, Any] = {"budget_ms": 1.0, name: value}
             ReplayOptions(**checked)
-    cells: list[Cell] = [_text(item) if isinstance(item, Faults) else item for item in values]
-    return Axis(name, values, tuple(cells))
+    return Axis(name, values, tuple(map(_cell, values)))
 
 
 def machine_axes(*given: Any) -> tuple[Axis, ...]:
@@ -99,6 +99,13 @@ def _name_of(thing: Any) -> str:
     if not isinstance(name, str):
         raise InputError(f"study: expected a name, a path or a thing that has one, got {thing!r}")
     return name
+
+
+def _cell(value: Any) -> Cell:
+    """Return what results say of a value."""
+    if isinstance(value, Faults):
+        return _text(value)
+    return str(value) if isinstance(value, Eyes) else value
 
 
 def _text(faults: Faults) -> str:

@@ -18,7 +18,7 @@ from ....sim.faults import parse_faults
 from ..axes.conditions import MACHINE, option_axis
 from ..axes.parameters import column_of, param_axis
 from ..axes.values import count_range, step_range
-from ..inputs import parse_seconds
+from ..inputs import as_eyes, parse_seconds
 from ..study import Study
 from .file_names import find_things, policy_text_in
 
@@ -29,7 +29,7 @@ _RANGE = ("from", "to", "step", "count", "log")
 _NAMED = ("scenes", "traces", "hardware")
 _OPTIONS = (
     *("budget_ms", "fovy_deg", "crossfade_ms", "measurement_delay", "faults"),
-    *("bound_every", "memory_bytes", "visible_px"),
+    *("bound_every", "memory_bytes", "visible_px", "eyes"),
 )
 _NAMES = ("display", "pacing")
 _COUNTED = ("draws", "seeds")
@@ -99,7 +99,7 @@ class _Reader:
             return None
         if key not in _NAMES and isinstance(value, str):
             self._document.fail(key, f"{key}: expected a number, got {value!r}; write a number")
-        return value
+        return as_eyes(value) if key == "eyes" else value
 
     def _values(self, value: Any, where: str) -> list[Any]:
         """Return the values of an axis that is given as one, as a list or as a range."""

@@ -11,7 +11,7 @@ VISIBLE_PX = 1.0
 
 
 def test_errors_are_those_of_a_sort() -> None:
-    """However errors jump, and where nearly all are 0; by area the worst of two pictures."""
+    """However errors jump, and where nearly all are 0; by area, in the worse of two pictures."""
     rng, errors = np.random.default_rng(4), ScreenErrors(VISIBLE_PX)
     lens = SimpleNamespace(scale_px=np.full(60, 500.0), radius_m=np.full(60, 1.0))
     for frame in range(200):
