@@ -42,6 +42,9 @@ quad-fragment merging, 2010)."""
 HELPER_NS = 1.0
 """Of a helper sample: ten times the price that the profile has of a sample of a sphere."""
 
+HIDDEN = 0.5
+"""Share of objects that others hide."""
+
 POLICIES = (
     *("static-distance", "static-screen", "feedback", "funkhouser", "gobbetti", "wimmer", "zach"),
     *("screen-space-error", "pixel-error", "cluster-cut"),
@@ -80,6 +83,12 @@ def with_helpers(hardware: HardwareProfile) -> HardwareProfile:
     return scaled(hardware, {}, {"rasterized_triangles": HELPERS * HELPER_NS * 1e-6})
 
 
+def with_hidden_objects(hardware: HardwareProfile) -> HardwareProfile:
+    """Return a profile on which a share of what is drawn is culled before it costs anything."""
+    of_objects = ("draw_calls", "triangles", "shaded_samples")
+    return scaled(hardware, dict.fromkeys(of_objects, 1.0 - HIDDEN))
+
+
 def with_free_changes(hardware: HardwareProfile) -> HardwareProfile:
     """Return a profile on which a change of level costs nothing."""
     free: dict[str, float] = dict.fromkeys(CHANGE_PREDICTORS, 0.0)
@@ -96,6 +105,7 @@ VARIANTS: dict[str, tuple[str, Variant]] = {
     "free-changes": ("changes of level cost nothing", with_free_changes),
     "idling-clock": (f"an idling clock of {IDLE_SHARE:.0%}", with_idling_clock),
     "quads-heavy": (f"{HELPERS} helper samples a triangle, {HELPER_NS:g} ns each", with_helpers),
+    "occlusion": (f"{HIDDEN:.0%} of objects culled as hidden", with_hidden_objects),
 }
 
 

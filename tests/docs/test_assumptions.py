@@ -30,9 +30,13 @@ def test_an_idling_clock_costs_a_light_frame_most() -> None:
 
 
 def test_other_variants_change_the_prices_that_they_name() -> None:
-    """Seven samples of 1 ns a triangle; uploads and first uses for nothing."""
-    _, quads = prices("quads-heavy")
+    """Seven samples of 1 ns a triangle; half of what objects cost; changes for nothing."""
+    plain, quads = prices("quads-heavy")
     assert quads.gpu.unit_ms("rasterized_triangles") == pytest.approx(7e-6)
+    _, hidden = prices("occlusion")
+    for name in ("triangles", "draw_calls", "shaded_samples"):
+        assert hidden.gpu.unit_ms(name) == 0.5 * plain.gpu.unit_ms(name)
+    assert hidden.gpu.unit_ms("framebuffer_pixels") == plain.gpu.unit_ms("framebuffer_pixels")
     _, free = prices("free-changes")
     assert free.gpu.unit_ms("bytes_uploaded") == 0.0
     assert free.cpu.linear_ms[CPU_PREDICTORS.index("first_uses")] == 0.0
