@@ -47,7 +47,7 @@ def test_what_is_told_comes_before_what_paths_state() -> None:
 def test_paths_that_state_different_ones_are_asked_about() -> None:
     """One comparison has one lens: which, the user says."""
     paths = [path_of("a", STATED_DEG), path_of("b", 70.0)]
-    with pytest.raises(InputError, match="35 degrees in a and 70 in b; .*--fovy-deg 35"):
+    with pytest.raises(InputError, match=r"35 degrees in a and 70 in b; .*--fovy-deg 35"):
         field_of_view(paths)
     assert field_of_view(paths, 70.0) == 70.0
 
