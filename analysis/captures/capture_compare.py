@@ -33,6 +33,7 @@ _MOST_FRAMES = 20_000  # of a draw: longer captures are drawn from whole, in few
 _DIGITS = 6
 
 
+@np.errstate(all="ignore")  # as `capture_record`
 def compare_captures(first: RenderLog, second: RenderLog, seed: int = 0) -> dict[str, Any]:
     """Return the differences of two captures, second minus first, as JSON.
 

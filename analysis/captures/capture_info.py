@@ -15,6 +15,7 @@ SCHEMA = "lodbench.log-info/2"
 _DIGITS = 6  # of every number; more would differ from machine to machine
 
 
+@np.errstate(all="ignore")  # a frame of 1e308 ms overflows in sums, which the numbers then show
 def capture_record(log: RenderLog) -> dict[str, Any]:
     """Return what a capture holds, as JSON: columns, metrics, findings.
 

@@ -1,5 +1,8 @@
 """What a capture holds: by hand, and by the tools' definitions; how two differ, with coverage."""
 
+import warnings
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from lodbench.analysis.captures.capture_page import render_capture
 from lodbench.analysis.captures.capture_table import chart
 from lodbench.base.arrays import FloatArray
 from lodbench.base.errors import InputError
+from lodbench.cli.main import run
 from lodbench.traces.logs.render_log import RenderLog
 
 
@@ -158,3 +162,18 @@ def test_intervals_of_95_percent_cover_the_true_difference(monkeypatch: pytest.M
         low, high = compare_captures(first, second)["metrics"]["frame_ms_mean"]["interval"]
         covered += low <= 0.5 <= high
     assert covered >= 89
+
+
+def test_a_frame_of_impossible_length_is_no_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """1e308 ms overflow where they are added; numpy says nothing of that beside the table."""
+    path = tmp_path / "far.csv"
+    head = "Application,ProcessID,SwapChainAddress,Dropped,TimeInSeconds,MsBetweenPresents"
+    rows = [f"a.exe,7,0x1,0,{0.016 * i:.4f},1e308" for i in range(40)]
+    path.write_text("\n".join([head, *rows, ""]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert run(["log", "info", str(path)]) == 0
+        assert run(["log", "compare", str(path), str(path)]) in (0, 2)
+    assert "Warning" not in capsys.readouterr().err
