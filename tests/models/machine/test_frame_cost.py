@@ -217,7 +217,8 @@ def test_the_price_of_a_frame_is_the_sum_of_its_parts(make_levels: MakeLevels) -
     Of twenty frames of every predictor, with fractions, new levels and pictures of other sizes.
     """
     rng = np.random.default_rng(4)
-    unit_ms = dict(zip(GPU_PREDICTORS, rng.uniform(0.1, 1.0, len(GPU_PREDICTORS)), strict=True))
+    priced = rng.uniform(0.1, 1.0, len(GPU_PREDICTORS)).tolist()
+    unit_ms: dict[str, float] = dict(zip(GPU_PREDICTORS, priced, strict=True))
     roofline = {"triangles": 0.2, "vertices": 0.1, "shaded_samples": 0.5}
     counts = [(90, 40, 10), (70, 20), (300, 30)]
     levels = make_levels(counts, continuous=True)
@@ -234,7 +235,7 @@ def test_the_price_of_a_frame_is_the_sum_of_its_parts(make_levels: MakeLevels) -
         price = costs.frame(
             row, view, 1000.0, fraction=fraction, pixel_share=share, changes=changes
         )
-        total = dict.fromkeys(GPU_PREDICTORS, 0.0)
+        total: dict[str, float] = dict.fromkeys(GPU_PREDICTORS, 0.0)
         roofline_ms = 0.0
         for at, part, px, covered, inside in zip(
             row.tolist(), fraction.tolist(), area.tolist(), view.covered_px.tolist(),
