@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from ...traces.logs.render_log import RenderLog, TimeName
@@ -51,15 +52,15 @@ def without_drift(log: RenderLog, name: TimeName) -> tuple[RenderLog, Drift | No
     return steady, drift
 
 
-def drawing_order(log: RenderLog) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def drawing_order(log: RenderLog) -> NDArray[np.int64]:
     """Return the rows of a log in the order in which they were drawn, pass by pass."""
     nothing = np.zeros(len(log))
     at = log.recorded.get("drawn_at", nothing)
     again = log.recorded.get("pass", nothing)
-    return np.lexsort((at, again))
+    return np.lexsort((at, again)).astype(np.int64)
 
 
-def _relative(log: RenderLog, draw_ms: FloatArray, order: FloatArray) -> FloatArray:
+def _relative(log: RenderLog, draw_ms: FloatArray, order: NDArray[np.int64]) -> FloatArray:
     """Return reference times, smoothed in order of drawing, over their median in the first pass."""
     from scipy.ndimage import median_filter
 

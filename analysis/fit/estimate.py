@@ -40,6 +40,7 @@ Model = Literal["student-t", "gaussian"]
 
 MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
 
+_AT_BOUND = 1e-6  # of the largest coefficient, up to which one is held by its bound
 _START = 0.7  # of the scale of a spread's prior, its median, where the search begins
 _KEPT = 1_000  # samples kept for predictions
 
@@ -146,7 +147,8 @@ def _stretched(
 
 def _unbounded(likelihood: Likelihood, design: Design, center: FloatArray) -> FloatArray:
     """Return the optimum of a likelihood if coefficients may be negative; not those of sides."""
-    if not design.linear:
+    scaled = center[: len(design.names)]
+    if not design.linear or scaled.min() > _AT_BOUND * scaled.max():
         return center
     low = likelihood.low.copy()
     low[: len(design.names)] = -np.inf

@@ -195,8 +195,9 @@ def _tails(innovation: FloatArray, kind: ResidualKind) -> tuple[float, float]:
     for dof in tried:
         of_scale: Any = stats.t.fit(some, f0=dof, floc=0.0)
         scale = float(of_scale[2])
-        worst: Any = stats.t.ppf(0.5 + 0.5 * _SURE ** (1.0 / len(some)), dof)
-        if scale * float(worst) <= _RARE * largest:
+        quantile: Any = stats.t.ppf
+        worst = float(quantile(0.5 + 0.5 * _SURE ** (1.0 / len(some)), dof))
+        if scale * worst <= _RARE * largest:
             return dof, scale
     return _DOF[-1], deviation
 
