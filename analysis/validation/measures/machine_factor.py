@@ -55,7 +55,7 @@ def advice(machine: MachineFactor, hardware: str) -> str:
     return (
         f"all frames take {machine.factor:.2f} times what {hardware} says ({machine.low:.2f} to "
         f"{machine.high:.2f} by policy and path): it is the profile of another machine, or of "
-        "another state of this one; calibrate this machine: lodbench record --calibrate --scene "
-        "plaza --out calibration.parquet, then lodbench fit calibration.parquet --target frame_ms "
-        "--out mine.toml"
+        "another state of this one; calibrate this machine: lodbench record --calibrate "
+        "--scene plaza --out calibration.parquet, then lodbench fit calibration.parquet "
+        "--target frame_ms --out mine.toml"
     )
