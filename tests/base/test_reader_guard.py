@@ -20,6 +20,7 @@ from lodbench.base.reader_guard import guarded
         (KeyError("x"), "cannot be read (KeyError: 'x'); write it again"),
         (RecursionError(), "nested too deep"),
         (MemoryError(), "that fits into memory"),
+        (ImportError("No module named 'x'"), "No module named 'x'; install lodbench anew"),
         (OSError(5, "Input/output error"), "got Input/output error; check the path"),
         (InputError("expected a, got b"), "f.log: expected a, got b"),
     ],

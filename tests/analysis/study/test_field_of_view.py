@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -54,7 +55,7 @@ def test_paths_that_state_different_ones_are_asked_about() -> None:
 
 def test_a_replay_is_seen_through_the_stated_lens() -> None:
     """A path that states 35 degrees is replayed as one that is told 35, and not as 60."""
-    given = {"hardware": "desktop-assumed", "budget_ms": 4.0}
+    given: dict[str, Any] = {"hardware": "desktop-assumed", "budget_ms": 4.0}
     stated = lodbench.replay("static-screen", "cows", path_of("p", STATED_DEG), **given)
     told = lodbench.replay("static-screen", "cows", path_of("p"), fovy_deg=STATED_DEG, **given)
     usual = lodbench.replay("static-screen", "cows", path_of("p"), **given)
