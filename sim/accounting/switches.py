@@ -37,7 +37,7 @@ class Drawn:
     fraction : float64 or None
         None where every drawn node is discrete.
     seen : View
-        Of these nodes; `area_px` is its.
+        Of these nodes.
     error_m : float64
         Geometric error of the level, before scale.
     """
@@ -48,11 +48,6 @@ class Drawn:
     fraction: FloatArray | None
     seen: View
     error_m: FloatArray
-
-    @property
-    def area_px(self) -> FloatArray:
-        """Projected area of each node's bounding sphere, (m,)."""
-        return self.seen.area_px
 
     @property
     def at(self) -> NDArray[np.intp]:
