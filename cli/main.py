@@ -35,7 +35,7 @@ COMMANDS = {
     "take.",
     "stress": "Search camera paths within speed and turn limits for one on which a policy does "
     "badly.",
-    "validate": "Compare simulated with measured: errors of frame times, metrics, and order of "
+    "validate": "Compare simulated with measured: frame times, metrics, verdict, and order of "
     "policies.",
     "reproduce": "Carry out the experiments of papers, and print each beside what the paper "
     "reported.",

@@ -8,38 +8,29 @@ several logs each is held out in turn.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ...study.engine.limits import Limits
-from ...study.engine.open_engine import open_engine
-from ...study.engine.task import Beat, Inputs
 from ..design import design_of
 from ..estimate import Estimate, Model, estimate
 from ..fit_frames import Sample
 from ..sampling.sampler import SamplerOptions
 from ..terms import Term
-from .posterior_predictive import Draws
+from .leave_one_out import FEW, leave_one_out
+from .prediction import predict, seen_rows
 
 BLOCK = 25  # frames
 FOLDS = 5
 SPLITS = ("blocks", "halves", "interleaved", "leave-one-out", "logs")
 
-_FEW = 40  # frames, below which each is left out in turn
-_MOST_ROWS = 20_000
 _GOOD_PCT = 3.0  # mean error, up to which no reason is looked for
 _LEAST_COVERED = 0.8  # more than 90 % is no fault: frames of one log share its slow states
 _UNFIT_MEAN_PCT, _UNFIT_SD_PCT = 10.0, 40.0  # twice what the worst of measured logs had
 _UNFIT_COVERAGE = 0.6
 _STEPS = 1_000  # of a chain for one fold: 32 walkers leave some 500 independent samples
-_WEIGHED, _KEPT = 4_000, 1_000  # samples
-_ENOUGH = 0.1  # of the weighted samples, effective ones
-_SAMPLE = "sample"
-_PATIENT = Limits(timeout_s=1e7)  # a chain is as long as it has to be
 _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
@@ -152,24 +143,15 @@ def hold_out(
         The fit to all frames: samples of it, weighted, stand for fits without one of few frames.
     """
     if split == "auto":
-        split = "leave-one-out" if len(sample) <= _FEW else "blocks"
+        split = "leave-one-out" if len(sample) <= FEW else "blocks"
     if split not in SPLITS:
         raise InputError(f"--heldout: expected one of {', '.join(SPLITS)}, got {split}")
     short = replace(options, max_steps=min(options.max_steps, _STEPS))
     if split != "leave-one-out":
         return _by_folds(sample, terms, model, short, split)
-    if len(sample) > 10 * _FEW:
-        raise InputError(
-            f"--heldout leave-one-out: expected at most {10 * _FEW} frames, since each is one "
-            f"fit, got {len(sample)}; use blocks"
-        )
-    known = {} if whole is None or len(sample) > _FEW else _reweighted(whole, sample)
-    rows = [row for row in range(len(sample)) if row not in known]
-    tasks = [LeftOut(row, tuple(terms), model, short) for row in rows]
-    if tasks:
-        found = _side_by_side(tasks, sample, workers, scheduler)
-        known |= dict(zip(rows, found, strict=True))
-    parts = [known[row] for row in range(len(sample))]
+    parts = leave_one_out(
+        sample, terms, model, short, workers=workers, scheduler=scheduler, whole=whole
+    )
     return _with_error(_summary(split, parts), [frames[0] for frames, _ in parts])
 
 
@@ -182,14 +164,14 @@ def _by_folds(
         for part in (sample.rows(~held) for held in folds)
     ]
     rest = [sample.rows(held) for held in folds]
-    parts = [_predict(fit, part) for fit, part in zip(fits, rest, strict=True)]
+    parts = [predict(fit, part) for fit, part in zip(fits, rest, strict=True)]
     summary = _summary(split, parts)
     if split == "logs":
         groups = [frames[0] for frames, _ in parts]
     else:
         groups = [
             frames[0][blocks == block]
-            for (frames, _), seen in zip(parts, map(_seen, rest), strict=True)
+            for (frames, _), seen in zip(parts, map(seen_rows, rest), strict=True)
             for blocks in [block_numbers(seen.series, seen.path)]
             for block in np.unique(blocks)
         ]
@@ -221,81 +203,9 @@ def _with_error(summary: HeldOut, groups: Sequence[FloatArray]) -> HeldOut:
     return replace(summary, error_pct_mean_se=float(error))
 
 
-def _reweighted(whole: Estimate, sample: Sample) -> dict[int, tuple[FloatArray, float]]:
-    """Return predictions of rows from weighted samples of the fit to all, where these suffice.
-
-    A sample counts for one over the density that it gives the row, up to the truncation of Ionides
-    (J. Computational and Graphical Statistics 17, 2008).
-    """
-    rng, found = np.random.default_rng(0), dict[int, tuple[FloatArray, float]]()
-    theta = whole.chain.thinned(_WEIGHED)
-    all_draws = replace(whole.draws, theta=theta)
-    for row in range(len(sample)):
-        one = sample.rows(np.arange(len(sample)) == row)
-        density = all_draws.each_log_density(whole.design.rows(np.array([row])), one.time_ms)[:, 0]
-        weight: FloatArray = np.exp(density.min() - density)
-        weight = np.minimum(weight, weight.mean() * np.sqrt(len(weight)))
-        weight /= weight.sum()
-        if 1.0 / float(weight @ weight) >= _ENOUGH * len(weight):
-            places = np.searchsorted(np.cumsum(weight), (np.arange(_KEPT) + rng.random()) / _KEPT)
-            kept = theta[np.minimum(places, len(theta) - 1)]
-            found[row] = _predict_by(replace(all_draws, theta=kept), whole, one)
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """A fit to all frames but one, which predicts that one: a `Task` of the study's engine."""
-
-    row: int
-    terms: tuple[Term, ...]
-    model: Model
-    options: SamplerOptions
-
-    result_type: ClassVar[Any] = tuple[FloatArray, float]
-
-    @property
-    def owner(self) -> str:
-        """The fit, of which there is one (see `Task`)."""
-        return "fit"
-
-    def __call__(self, inputs: Inputs, beat: Beat) -> tuple[FloatArray, float]:
-        """Return what `_predict` does (see `Task`)."""
-        sample: Sample = inputs[_SAMPLE]
-        others = np.arange(len(sample)) != self.row
-
-        def tell(steps: int, _most: int) -> None:
-            beat(steps)
-
-        kept = sample.rows(others)
-        fitted = estimate(kept, self.terms, self.model, self.options, progress=tell)
-        return _predict(fitted, sample.rows(~others))
-
-
-def _side_by_side(
-    tasks: Sequence[LeftOut], sample: Sample, workers: int, scheduler: str | None
-) -> list[tuple[FloatArray, float]]:
-    """Return what each task results in, in their order.
-
-    Worker processes even for one worker: they calculate with one thread, and the optimum that a
-    chain starts from differs in its last digits with the number of threads of LAPACK.
-    """
-    found: dict[int, tuple[FloatArray, float]] = {}
-    inputs = {_SAMPLE: sample}
-    with open_engine(inputs, workers=workers, limits=_PATIENT, scheduler=scheduler) as engine:
-        for outcome in engine.run(tasks):
-            if outcome.failure is not None:
-                raise InputError(
-                    "--heldout leave-one-out: expected a fit without each frame, got "
-                    f"{outcome.failure.reason} without frame {outcome.index}; use --workers 1"
-                )
-            found[outcome.index] = outcome.result
-    return [found[index] for index in range(len(tasks))]
-
-
 def judge(fitted: Estimate, sample: Sample, name: str) -> HeldOut:
     """Return how well a fitted model predicts other frames, and the reason if it does not."""
-    prediction = _predict(fitted, sample)
+    prediction = predict(fitted, sample)
     summary = _summary(name, [prediction])
     return summary if _good(summary) else replace(summary, reason=_reason(fitted, sample, summary))
 
@@ -319,32 +229,6 @@ def _reason(fitted: Estimate, sample: Sample, summary: HeldOut) -> str:
     else:
         why = "so these frames cost what no predictor counts, or the machine ran otherwise"
     return f"frames hold {held} of the fitted ones; {left_open}, {why}"
-
-
-def _predict(fitted: Estimate, sample: Sample) -> tuple[FloatArray, float]:
-    """Return what there is to say of each frame, (3, n), and the deviation of the mean error.
-
-    Of a frame: the error in per cent, whether the interval covers it, and the log density.
-    """
-    return _predict_by(fitted.draws, fitted, sample)
-
-
-def _predict_by(draws: Draws, fitted: Estimate, sample: Sample) -> tuple[FloatArray, float]:
-    sample = _seen(sample)
-    design = design_of(sample, fitted.terms, fitted.design.unit)
-    draws = draws.fitting(len(sample)).elsewhere(np.random.default_rng(1))
-    mean, simulated = draws.simulate(design, np.random.default_rng(0))
-    low, high = np.quantile(simulated, (0.05, 0.95), axis=0)
-    errors = 100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0)
-    covered = (sample.time_ms >= low) & (sample.time_ms <= high)
-    frames = np.stack((errors, covered, draws.log_density(design, sample.time_ms)))
-    return frames, float((100.0 * (mean / sample.time_ms - 1.0).mean(axis=1)).std())
-
-
-def _seen(sample: Sample) -> Sample:
-    """Return frames, of very many some."""
-    step = max(1, -(-len(sample) // _MOST_ROWS))
-    return sample.rows(np.arange(0, len(sample), step))
 
 
 def _summary(split: str, predictions: Sequence[tuple[FloatArray, float]]) -> HeldOut:

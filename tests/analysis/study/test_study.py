@@ -85,13 +85,12 @@ def test_pacing_is_an_axis_and_part_of_what_a_run_is() -> None:
 
 
 def test_draws_are_those_that_each_profile_has() -> None:
-    """A number of draws is spread over a posterior; a profile without one plays its mean."""
+    """The first draws of a scatter cover it; a profile without one plays its mean."""
     study = Study("full", hardware=["desktop-assumed", "llvmpipe"], draws=2)
     assert load_hardware("desktop-assumed").posterior is None
-    posterior = load_hardware("llvmpipe").posterior
-    assert posterior is not None
+    assert load_hardware("llvmpipe").scatter.occasion > 0.0
     assert cells_of(study, "hardware", "draw") == [
-        ("desktop-assumed", None), ("llvmpipe", 0), ("llvmpipe", len(posterior) - 1),
+        ("desktop-assumed", None), ("llvmpipe", 0), ("llvmpipe", 1),
     ]  # fmt: skip
     mean = Study("full", hardware="llvmpipe", draws=[None, 3])
     assert [run.options.draw for run in mean.runs()] == [None, 3]
