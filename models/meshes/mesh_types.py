@@ -90,9 +90,10 @@ def read_types(
 def _read_type(
     group: MeshGroup, units: MeshUnits, detail: ChainOptions | KnotOptions, sampling: Sampling
 ) -> TypeModel:
-    if len(group.paths) > 1:
+    first, *coarser = group.paths
+    if coarser:
         return _authored(group, units, sampling)
-    standing = read_surface(group.paths[0], units)
+    standing = read_surface(first, units)
     if isinstance(detail, ChainOptions):
         return build_chain(standing, detail, sampling)
     surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)

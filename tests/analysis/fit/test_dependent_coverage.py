@@ -92,8 +92,8 @@ def _forgetting(rng: np.random.Generator, count: int, frames: float) -> FloatArr
     keeps = np.exp(-1.0 / frames)
     fresh = rng.standard_normal(count) * np.sqrt(1.0 - keeps**2)
     fresh[0] /= np.sqrt(1.0 - keeps**2)
-    walked: Any = lfilter([1.0], [1.0, -keeps], fresh)
-    return np.asarray(walked)
+    walk: Any = lfilter  # its stubs do not say what it returns
+    return np.asarray(walk([1.0], [1.0, -keeps], fresh), dtype=np.float64)
 
 
 def _episodes(rng: np.random.Generator, count: int, on: float, off: float) -> FloatArray:

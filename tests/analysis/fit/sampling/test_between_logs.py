@@ -12,6 +12,7 @@ from lodbench.analysis.fit.sampling.between_logs import BetweenLogs, Levels, Log
 from lodbench.analysis.fit.sampling.likelihood import Expansion, QuadraticLikelihood
 from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.analysis.fit.terms import parse_terms
+from lodbench.base.arrays import FloatArray
 
 MakeSample = Callable[..., Sample]
 
@@ -64,7 +65,7 @@ def test_the_likelihood_is_that_of_the_covariance_written_out():
                 covariance[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] = block
         mean = np.concatenate([log.rows @ row[:3] for log in logs])
         values = np.concatenate([log.values for log in logs])
-        priors = stats.t.logpdf(spread, 4.0, scale=[0.09, 0.25, 0.25]).sum()
+        priors = np.sum(stats.t.logpdf(spread, 4.0, scale=[0.09, 0.25, 0.25]))
         whole = stats.multivariate_normal(mean, covariance + np.eye(12)).logpdf(values)
         return float(whole + priors)
 
@@ -77,7 +78,7 @@ def several(make_sample: MakeSample, scenes: int, occasions: int, seed: int = 0)
     rng = np.random.default_rng((seed, 31))
     dear = np.exp(0.25 * rng.standard_normal(scenes))
     slow = np.exp(0.09 * rng.standard_normal(occasions))
-    counts, times, origins = [], [], []
+    counts, times, origins = list[FloatArray](), list[FloatArray](), list[Origin]()
     for scene in range(scenes):
         for occasion in range(occasions):
             one = make_sample(seed=100 * seed + 10 * scene + occasion)
