@@ -7,17 +7,26 @@ from ...models.machine.residual import Residual
 from ...traces.logs.render_log import RenderLog
 from .fit import Fit
 from .noise import residual_model
+from .paired_noise import paired_residual, pairs_of
 
 _MEAN = 1e3  # milliseconds in a second
 
 
 def residual_of(fit: Fit) -> Residual:
-    """Return the residual model of a fit: in the order of drawing, and along the path."""
+    """Return the residual model of a fit: in the order of drawing, and along the path.
+
+    Of logs in which each frame was drawn twice, the machine's noise is what differs.
+    """
     sample, logs = fit.estimate.sample, range(len(fit.sources))
     kind = "student-t" if fit.options.model == "student-t" else "gaussian"
     steps = [step_s(source.log, fit.estimate.sample.time_ms) for source in fit.sources]
     paths = None if sample.path is None else [sample.path[sample.series == log] for log in logs]
-    return residual_model(relative_residuals(fit), kind, float(np.median(steps)), paths)
+    series, step = relative_residuals(fit), float(np.median(steps))
+    pairs = [] if paths is None else [pair for pair in map(pairs_of, paths) if pair is not None]
+    if len(pairs) == len(fit.sources):
+        times_ms = [sample.time_ms[sample.series == log] for log in logs]
+        return paired_residual(series, times_ms, pairs, step, kind)
+    return residual_model(series, kind, step, paths)
 
 
 def relative_residuals(fit: Fit) -> list[FloatArray]:
@@ -34,9 +43,10 @@ def relative_residuals(fit: Fit) -> list[FloatArray]:
 
 
 def step_s(log: RenderLog, time_ms: FloatArray) -> float:
-    """Return the seconds from frame to frame: of the log's clock, or as long as frames take."""
-    if log.time_s is not None:
-        steps = np.diff(log.time_s)
+    """Return the seconds of the path from frame to frame, or of the log's clock, or of frames."""
+    clock = log.recorded.get("trace_s", log.time_s)
+    if clock is not None:
+        steps = np.diff(clock)
         steps = steps[np.isfinite(steps) & (steps > 0.0)]
         if len(steps):
             return float(np.median(steps))

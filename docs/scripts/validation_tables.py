@@ -46,7 +46,7 @@ class Extent:
     """How much is measured."""
 
     size: str = "320x180"
-    seconds: str = "0:2"
+    seconds: str = "4:6"
     warmup: str = "0.4"
     steps: str = "300"
     walk: str = "0:10"

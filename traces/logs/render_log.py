@@ -22,7 +22,14 @@ TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 COUNTS = tuple(dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)))
 """What the columns of a log may count, each name once."""
 
-RECORDED = ("reference_before_ms", "reference_after_ms", "lag_ms", "drawn_at", "pass")
+RECORDED = (
+    "trace_s",
+    "reference_before_ms",
+    "reference_after_ms",
+    "lag_ms",
+    "drawn_at",
+    "pass",
+)
 """What `lodbench record` writes beside times and counts, each under this very name.
 
 The time of one fixed draw before and after a frame's; from input to completion; the place of the

@@ -63,6 +63,7 @@ def test_frames_of_one_view_are_held_out_together(make_sample: MakeSample):
         assert set(path[held]).isdisjoint(path[~held])
 
 
+@pytest.mark.slow
 def test_the_error_of_the_mean_is_that_of_blocks(make_sample: MakeSample):
     """Over twelve logs the mean error is inside twice its standard error, mostly."""
     inside = 0
@@ -73,6 +74,7 @@ def test_the_error_of_the_mean_is_that_of_blocks(make_sample: MakeSample):
     assert inside >= 8
 
 
+@pytest.mark.slow
 def test_few_frames_are_left_out_by_weights(make_sample: MakeSample):
     """Weighted samples of the whole fit say what the fits without each frame say."""
     frames = make_sample(frames=20)
