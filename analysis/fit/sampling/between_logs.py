@@ -20,7 +20,7 @@ OCCASION, SCENE = "occasion_sd", "scene_sd."
 OCCASION_SCALE, SCENE_SCALE = 0.09, 0.25
 """Prior scales of the log-sd: five sessions of llvmpipe differed by 9 %; scenes' is assumed."""
 
-SCENE_TERMS = ("base", "triangles", "rasterized_triangles")
+SCENE_TERMS = ("base", "vertices", "triangles", "triangles_in_view", "rasterized_triangles")
 """Terms whose cost differs from scene to scene: of the others too little is known."""
 
 _DOF = 4.0
