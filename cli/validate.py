@@ -16,6 +16,7 @@ from .shared.terminal import (
     open_named_scene,
     print_record,
     table_console,
+    tell_field_of_view,
 )
 
 if TYPE_CHECKING:  # numpy and what needs it are loaded by the command
@@ -99,7 +100,7 @@ def validate(
     out: Out = None,
     budget_ms: options.BudgetMs = None,
     size: Size = None,
-    fovy_deg: options.FovyDeg = 60.0,
+    fovy_deg: options.FovyDeg = None,
     seconds: Seconds = None,
     passes: Passes = 2,
     repeats: options.Repeats = 3,
@@ -147,7 +148,7 @@ def validate(
     )
     drawing = RecordOptions(backend=backend, instancing=instancing, repeats=repeats, clock=clock)
     specs = [given] if study is None else [case.or_else(given) for case in read_cases(study)]
-    with claimed_validation(out):
+    with claimed_validation(out, recorded):
         profile = load_hardware(hardware)
         require_priced(profile)
         own_size = profile.display.width_px, profile.display.height_px
@@ -187,6 +188,7 @@ def _prepare(
 ) -> "CaseInputs":
     """Return a case, loaded and checked; raises `InputError` if it cannot be recorded."""
     from ..analysis.metrics.measured_frames import require_window
+    from ..analysis.study.field_of_view import field_of_view
     from ..analysis.study.inputs import load_trace, parse_seconds
     from ..analysis.validation.recordings import require_recordable
     from ..analysis.validation.run_cases import CaseInputs
@@ -195,11 +197,14 @@ def _prepare(
 
     if spec.policies and len(set(spec.policies)) < len(spec.policies):
         raise InputError("--policy: expected each once, got one twice; name it once")
-    replay = ReplayOptions(
-        budget_ms=hardware.budget_ms(spec.budget_ms), seed=seed, fovy_deg=spec.fovy_deg or 60.0
-    )
     opened = open_named_scene(spec.scene)
     whole = load_trace(spec.trace, opened.scene, spec.place or "shrink")
+    replay = ReplayOptions(
+        budget_ms=hardware.budget_ms(spec.budget_ms),
+        seed=seed,
+        fovy_deg=field_of_view([whole], spec.fovy_deg),
+    )
+    tell_field_of_view([whole], replay.fovy_deg)
     require_other_frames(hardware, opened.scene.name, whole.name)
     first = (0.0, min(_FIRST_S, whole.duration_s))
     path = whole.stretch(*(first if spec.seconds is None else parse_seconds(spec.seconds)))

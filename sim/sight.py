@@ -12,7 +12,7 @@ from ..models.scene.camera import Camera
 from ..models.scene.frustum import Culler
 from ..models.scene.motion import Centers, Placed
 from ..models.scene.nodes import Nodes
-from ..models.scene.rig import Rig, RigCuller
+from ..models.scene.rig import Eyes, Rig, RigCuller
 from ..models.scene.scene import Scene
 from ..traces.cameras.camera_trace import CameraTrace
 from ..traces.cameras.shared_screen import split
@@ -63,17 +63,16 @@ class Sight:
         self._paths = split(trace)
         self._fovy_rad = math.radians(options.fovy_deg)
         self.players = self.cameras = self.passes = len(self._paths)
-        across, down = _split(self.players)
-        self._size_px = (display.width_px // across, display.height_px // down)
         if options.eyes is not None:
             if self.players > 1:
                 raise InputError(
                     f"eyes: expected one player with two eyes, got {self.players} who share a "
                     "screen; leave out one of the two"
                 )
-            self._size_px = options.eyes.size_px or (display.width_px // 2, display.height_px)
             self.cameras = 2
             self.passes = 1 if options.eyes.single_pass else 2
+        size_px = (display.width_px, display.height_px)
+        self._size_px = picture_size(size_px, self.players, options.eyes)
         self.first = self._camera(self._paths[0], 0.0)
         self._centers = Centers(scene.center_m, scene.motion)
         cullers = [
@@ -114,6 +113,13 @@ class Sight:
         return Camera(pose.position_m, pose.orientation_xyzw, *self._size_px, self._fovy_rad)
 
 
-def _split(players: int) -> tuple[int, int]:
-    """Return how many pictures stand side by side and one above another: two lie, as in games."""
-    return (1, players) if players < 3 else (2, 2)
+def picture_size(screen_px: tuple[int, int], players: int, eyes: Eyes | None) -> tuple[int, int]:
+    """Return width and height of each camera's picture on a screen.
+
+    Of two players one is above the other, as in games; three and four have a quarter each.
+    """
+    width_px, height_px = screen_px
+    if eyes is not None:
+        return eyes.size_px or (width_px // 2, height_px)
+    across, down = (1, players) if players < 3 else (2, 2)
+    return width_px // across, height_px // down

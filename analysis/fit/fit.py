@@ -187,6 +187,8 @@ def fit_logs(
     if options.heldout not in (*SPLITS, AUTO, NO_SPLIT):
         known = ", ".join((*SPLITS, AUTO, NO_SPLIT))
         raise InputError(f"--heldout: expected one of {known}, got {options.heldout}")
+    if options.heldout == "logs" and len(sources) < 2:
+        raise InputError("--heldout logs: expected two logs or more, got one; use blocks")
     findings = _accepted([source.log for source in sources], target)
     lag_explains = tuple(explained_by_lag(source.log, target) for source in sources)
     lags = tuple(_lag(source.log, target, options) for source in sources)
@@ -197,6 +199,7 @@ def fit_logs(
     logs = [log for log, _ in steadied]
     sources = [replace(source, log=log) for source, log in zip(sources, logs, strict=True)]
     terms, sample, rejected, candidates = _terms_and_frames(logs, target, options)
+    _require_frames(logs, sample, terms)
     kept = None if resume is None else (resume, _identity(sample, terms, options))
     cpu, cpu_note = _cpu(sources, target, options)
     model, sampler = options.model, options.sampler
@@ -249,7 +252,8 @@ def _cpu(
     if target == "frame_ms":
         return None, "cpu_ms is a part of frame_ms here and not charged apart: the CPU costs 0"
     try:
-        return fit_logs(sources, "cpu_ms", replace(options, terms=AUTO)), ""
+        # The lag that was told is that of another timer.
+        return fit_logs(sources, "cpu_ms", replace(options, terms=AUTO, lag=None)), ""
     except InputError as error:
         return None, f"the CPU costs 0: {error}"
 
@@ -305,6 +309,21 @@ def _terms_and_frames(
     sample, _ = gather(logs, names, target, options.first_frames)
     terms, candidates = choose_terms(sample, target)
     return terms, *gather(logs, predictors_of(terms), target, options.first_frames), candidates
+
+
+def _require_frames(logs: list[RenderLog], sample: Sample, terms: Sequence[Term]) -> None:
+    """Raise InputError if one of several logs has too few frames to say anything by itself."""
+    if len(logs) == 1:
+        return  # which has as many as the fit needs, or is refused there
+    # Half of a log may be held out; a base and a roofline's other side come on top of the terms.
+    fewest = 2 * (len(terms) + 3)
+    counts = np.bincount(sample.series, minlength=len(logs)).tolist()
+    for log, count in zip(logs, counts, strict=True):
+        if count < fewest:
+            raise InputError(
+                f"{log.name}: expected at least {fewest} frames that count, got {count}; log for "
+                "longer, or leave the log out"
+            )
 
 
 def _identity(sample: Sample, terms: Sequence[Term], options: FitOptions) -> str:

@@ -8,6 +8,7 @@ from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...traces.cameras.camera_trace import CameraTrace
+from ...traces.cameras.shared_screen import split
 from ..verdict.scores import LEVEL
 from ..verdict.verdict import Verdict
 from .code_hash import code_hash
@@ -116,4 +117,5 @@ def _conditions(
         hardware_assumed=hardware.provenance.assumed,
         fovy_of=whose_field_of_view(paths, options.fovy_deg),
         eyes=options.eyes,
+        players=max(len(split(path)) for path in paths),
     )

@@ -147,6 +147,8 @@ class Conditions:
     ----------
     fovy_of : str
         How the field of view stands to what the paths state; empty where none states one.
+    players : int
+        Who share the screen.
     """
 
     display: str
@@ -164,6 +166,7 @@ class Conditions:
     hardware_assumed: bool
     fovy_of: str = ""
     eyes: Eyes | None = None
+    players: int = 1
 
 
 @dataclass(frozen=True, slots=True)

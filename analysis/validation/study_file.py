@@ -12,7 +12,7 @@
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from ...base.errors import InputError
+from ...base.errors import InputError, is_file
 from ...base.files.strict_toml import read_toml
 
 _LARGEST_BYTES = 1_000_000
@@ -71,6 +71,6 @@ def _beside(case: CaseSpec, folder: Path) -> CaseSpec:
     scene, trace = folder / case.scene, folder / case.trace
     return replace(
         case,
-        scene=str(scene) if scene.is_file() else case.scene,
-        trace=str(trace) if trace.is_file() else case.trace,
+        scene=str(scene) if is_file(scene) else case.scene,
+        trace=str(trace) if is_file(trace) else case.trace,
     )

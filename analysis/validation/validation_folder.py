@@ -24,18 +24,19 @@ _OURS = rf"validation\.json|report\.html|({RECORDINGS}|{_SIMULATED})(/.*)?"
 
 
 @contextmanager
-def claimed_validation(folder: Path | None) -> Generator[None]:
+def claimed_validation(folder: Path | None, recorded: Path | None = None) -> Generator[None]:
     """Hold a folder, if one is given, from before the work until `write_validation` has written.
 
     Raises `InputError` unless the folder is new, or holds nothing but an earlier validation, or if
-    another process writes to it, or recordings of an earlier one that failed stand beside it.
+    another process writes to it, or recordings of an earlier one that failed stand beside it, other
+    than those of `recorded`, which are gone on with.
     """
     if folder is None:
         yield
         return
     with claimed_folder(folder, _ours(folder), "validate"):
         left = recordings_beside(folder)
-        if left.exists():
+        if left.exists() and (recorded is None or recorded.resolve() != left.resolve()):
             message = (
                 "expected no recordings of an earlier validation, got some; use them with "
                 f"--recorded {left}, or remove them"

@@ -16,10 +16,12 @@ from ...models.scene.scene import Scene
 from ...models.scene.tree import Tree
 from ...sim.frame_log import FrameLog
 from ...sim.level_history import HIDDEN, LevelHistory
+from ...sim.sight import picture_size
 from ..metrics.measured_frames import MeasuredFrames
 from ..report.names import short_name
 from ..report.summary import describe_run, shown_policies, words_of
 from ..study.comparison_folder import Compared
+from ..study.comparison_parts import Conditions
 from .packed_arrays import pack_arrays
 from .view_meshes import ViewMeshes, choose_meshes
 
@@ -64,6 +66,7 @@ def render_view(
         arrays |= {f"p{at}/{name}": each for name, each in _replay(scene, log, levels).items()}
     data, places = pack_arrays(arrays)
     comparison = compared.comparison
+    width_px, height_px = _picture_px(comparison.conditions)
     head = {
         "arrays": places,
         "boxes": meshes.boxes,
@@ -72,13 +75,15 @@ def render_view(
         "budget_ms": comparison.budget_ms,
         "refresh_hz": comparison.conditions.refresh_hz,
         "fovy_deg": comparison.conditions.fovy_deg,
-        "aspect": comparison.conditions.width_px / comparison.conditions.height_px,
+        "aspect": width_px / height_px,
     }
     title = words_of(comparison, f"{comparison.scene} along {comparison.paths[0]}")
     return _template().render(
         title=title,
         subtitle=words_of(comparison, describe_run(comparison)),
-        note=" ".join(filter(None, (note, _cut(meshes), _ends(kept)))),
+        note=" ".join(
+            filter(None, (note, _whose(comparison.conditions), _cut(meshes), _ends(kept)))
+        ),
         head=json.dumps(head).replace("<", "\\u003c"),
         data=data,
         three=_three(),
@@ -145,6 +150,23 @@ def _replay(scene: Scene, log: FrameLog, levels: LevelHistory) -> dict[str, NDAr
         "level": levels.level,
         "switch": levels.switches(scene).astype(np.uint8),
     }
+
+
+def _picture_px(conditions: Conditions) -> tuple[int, int]:
+    screen_px = (conditions.width_px, conditions.height_px)
+    return picture_size(screen_px, conditions.players, conditions.eyes)
+
+
+def _whose(conditions: Conditions) -> str:
+    """Return whose picture is shown, where there are several."""
+    if conditions.eyes is not None:
+        return "The picture is that of the head, between its two eyes."
+    if conditions.players > 1:
+        return (
+            f"The picture is that of the first of {conditions.players} players; what the others "
+            "see is drawn too, and coloured from above."
+        )
+    return ""
 
 
 def _cut(meshes: ViewMeshes) -> str:

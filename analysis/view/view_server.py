@@ -1,9 +1,10 @@
 """A server of one page to this machine alone, until it is interrupted."""
 
 import secrets
+import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import ClassVar
+from typing import Any, ClassVar
 
 ADDRESS = "127.0.0.1"
 
@@ -38,6 +39,11 @@ class PageServer(ThreadingHTTPServer):
         super().__init__((ADDRESS, port), handler)
         handler.host = f"{ADDRESS}:{self.server_port}"  # before any request is taken
         self.url = f"http://{handler.host}/{token}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Keep quiet of a browser that left before it had the page."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):

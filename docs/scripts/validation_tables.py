@@ -30,7 +30,7 @@ from lodbench.cli.main import run
 
 HERE = Path(__file__).parent
 DOCS = HERE.parent
-PROFILE = DOCS.parent / "models" / "profiles" / "llvmpipe.toml"
+PROFILE = DOCS.parent / "models" / "machine" / "profiles" / "llvmpipe.toml"
 LOG = DOCS.parent / "analysis" / "fit" / "logs" / "llvmpipe.parquet"
 CALIBRATED = (("plaza", "tour"), ("calibration-near", "tour"), ("calibration-dense", "tour"))
 POLICIES = ("full", "static-screen", "feedback", "lodmanager", "gobbetti")

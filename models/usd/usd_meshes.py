@@ -1,7 +1,8 @@
 """Triangles of USD meshes, in the frame of some prim above them.
 
 Pixar, "UsdGeomMesh": polygons with counts of corners, right- or left-handed, holes, and subsets of
-faces by material.  Subdivision surfaces are taken as their control meshes.
+faces by material.  Subdivision surfaces are taken as their control meshes, and what moves where it
+begins.
 """
 
 from collections.abc import Iterator
@@ -27,21 +28,22 @@ def mesh_parts(prim: Any, transform: FloatArray, materials: dict[str, int]) -> I
     transform : (4, 4), of column vectors
     materials : numbers by the paths of materials, to which new ones are added
     """
-    from pxr import UsdGeom, UsdShade
+    from pxr import Usd, UsdGeom, UsdShade
 
+    time: Any = Usd.TimeCode.EarliestTime()  # of what moves, where it begins
     geom: Any = UsdGeom
     shade: Any = UsdShade
     path = str(prim.GetPath())
     mesh: Any = geom.Mesh(prim)
-    points = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
-    counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or (), dtype=np.int64)
-    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
+    points = np.array(mesh.GetPointsAttr().Get(time) or (), dtype=np.float64).reshape(-1, 3)
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(time) or (), dtype=np.int64)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(time) or (), dtype=np.int64)
     if counts.sum() != len(corners) or len(corners) > _MOST_CORNERS or (counts < 0).any():
         raise InputError(f"{path}: expected {counts.sum()} corners of faces, got {len(corners)}")
     if len(corners) and not (corners.min() >= 0 and corners.max() < len(points)):
         raise InputError(f"{path}: expected indices of {len(points)} points, got others")
     faces, owner = _fans(counts, corners)
-    holes = np.array(mesh.GetHoleIndicesAttr().Get() or (), dtype=np.int64)
+    holes = np.array(mesh.GetHoleIndicesAttr().Get(time) or (), dtype=np.int64)
     kept = ~np.isin(owner, holes)
     faces, owner = faces[kept], owner[kept]
     left = mesh.GetOrientationAttr().Get() == geom.Tokens.leftHanded
@@ -52,7 +54,7 @@ def mesh_parts(prim: Any, transform: FloatArray, materials: dict[str, int]) -> I
     of_face = np.full(len(counts), materials.setdefault(whole, len(materials)))
     for subset in shade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
         name = _material(shade, subset.GetPrim())
-        chosen = np.array(subset.GetIndicesAttr().Get() or (), dtype=np.int64)
+        chosen = np.array(subset.GetIndicesAttr().Get(time) or (), dtype=np.int64)
         if len(chosen) and not (chosen.min() >= 0 and chosen.max() < len(counts)):
             raise InputError(f"{path}: expected faces of a subset, got others")
         of_face[chosen] = materials.setdefault(name, len(materials))

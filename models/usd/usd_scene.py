@@ -3,8 +3,8 @@
 An object is a mesh, or a prim with a variant set whose name has "lod" in it, and all below it: its
 variants are its levels, by the numbers in their names, or by their order where those have none.
 Objects of equal meshes, turned and scaled alike, share a type.  Instances are followed; point
-instancers and references to files that are not there are counted, and not read.  Textures, skins
-and time are left out.
+instancers and references to files that are not there are counted, and not read.  What moves stands
+where it begins; textures and skins are left out.
 """
 
 import hashlib
@@ -208,7 +208,7 @@ def _parts_below(top: Any, linear: FloatArray, materials: dict[str, int]) -> tup
         if not prim.IsA(geom.Mesh):
             continue
         seen: Any = geom.Imageable(prim)
-        if seen.ComputeVisibility() == geom.Tokens.invisible:
+        if seen.ComputeVisibility(usd.TimeCode.EarliestTime()) == geom.Tokens.invisible:
             continue
         if seen.ComputePurpose() in {geom.Tokens.proxy, geom.Tokens.guide}:
             continue
@@ -222,7 +222,7 @@ def _matrix(prim: Any) -> FloatArray:
 
     usd: Any = Usd
     geom: Any = UsdGeom
-    placed: Any = geom.Imageable(prim).ComputeLocalToWorldTransform(usd.TimeCode.Default())
+    placed: Any = geom.Imageable(prim).ComputeLocalToWorldTransform(usd.TimeCode.EarliestTime())
     matrix = np.array(placed, dtype=np.float64).T
     if not (np.isfinite(matrix).all() and abs(np.linalg.det(matrix)) > 0.0):
         raise InputError(f"{prim.GetPath()}: expected a transform with an inverse, got none")

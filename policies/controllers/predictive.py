@@ -110,6 +110,7 @@ class Predictive:
         self._inner.reset(scene, budget_ms)
         self._step_s = math.nan
         self._before: Camera | None = None
+        self._all_before: tuple[Camera, ...] = ()
 
     def select(self, view: View) -> Selection:
         """Return what the policy selects on the predicted pose."""
@@ -139,12 +140,16 @@ class Predictive:
         return extrapolate(before, now, self._horizon_s(view) / step_s)
 
     def _ahead(self, view: View) -> Rig | None:
-        """Return where each camera will be, where several look."""
+        """Return where each camera will be, and was to be in the last frame, where several look."""
         rig = view.state.rig
-        if rig is None or not rig.previous or view.state.step_s <= 0.0:
-            return rig
-        pairs = zip(rig.previous, rig.cameras, strict=True)
-        return replace(rig, cameras=tuple(self._go_on(*pair, view) for pair in pairs))
+        if rig is None:
+            return None
+        ahead, before = rig.cameras, self._all_before
+        if rig.previous and view.state.step_s > 0.0:
+            pairs = zip(rig.previous, rig.cameras, strict=True)
+            ahead = tuple(self._go_on(*pair, view) for pair in pairs)
+        self._all_before = ahead
+        return replace(rig, cameras=ahead, previous=before)
 
     def _horizon_s(self, view: View) -> float:
         if self.horizon_ms is not None:

@@ -151,6 +151,34 @@ def test_gpu_and_cpu_are_fitted_from_one_log(
     assert (profile.display.width_px, profile.display.height_px) == (800, 600)
 
 
+def test_a_lag_that_is_told_is_of_one_timer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """Where the GPU's timer is two frames late, the CPU's times stay where they are."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(8)
+    draws = rng.integers(50, 400, 300)
+    late_ms = np.roll(4.0 + 0.02 * draws, 2) + 0.05 * rng.standard_normal(300)
+    cpu_ms = 1.0 + 0.008 * draws + 0.05 * rng.standard_normal(300)
+    rows = [f"{d},{g:.4f},{c:.4f}" for d, g, c in zip(draws, late_ms, cpu_ms, strict=True)]
+    Path("late.csv").write_text("\n".join(["draw_calls,gpu_ms,cpu_ms", *rows]) + "\n", "utf-8")
+    assert run(["fit", "late.csv", *QUICK, "--lag", "2", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["lag_frames"], record["cpu"]["lag_frames"]) == ([2], [0])
+    assert record["cpu"]["coefficients"]["draw_calls"]["mean"] == pytest.approx(8.0, rel=0.05)
+
+
+@pytest.mark.parametrize("frames", [3, 4, 8])
+def test_a_log_too_short_among_others_is_named(
+    log: Path, frames: int, capsys: pytest.CaptureFixture[str]
+):
+    """Three frames are left out as the first; of the rest there is none, or too few."""
+    write_log(Path("short.csv"), frames=frames)
+    assert run(["fit", str(log), "short.csv", *QUICK, "--terms", "draw_calls,triangles"]) == 2
+    says = f"error: short: expected at least 10 frames that count, got {frames - 3}"
+    assert capsys.readouterr().err.startswith(says)
+
+
 def test_several_logs_are_occasions_and_scenes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
@@ -256,6 +284,7 @@ def test_plots_are_written(log: Path):
         (["walk.csv", "--terms", "vertices"], "expected the predictors vertices, got a log with"),
         (["walk.csv", "--model", "normal"], "--model: expected one of student-t, gaussian"),
         (["walk.csv", "--heldout", "some"], "--heldout: expected one of blocks, halves"),
+        (["walk.csv", "--heldout", "logs"], "--heldout logs: expected two logs or more, got one"),
         (["walk.csv", "--map", "gpu_ms"], "--map: expected name=COLUMN"),
         (["walk.csv", "--map", "gpu_ms=Nope"], "mapping of gpu_ms: expected one of"),
         (["walk.csv", "--format", "excel"], "log format: expected one of parquet"),

@@ -108,10 +108,9 @@ def test_what_was_recorded_before_a_failure_is_kept(
     capsys.readouterr()
     assert run(arguments) == 2  # which would record over them
     assert f"use them with --recorded {out}.recordings" in capsys.readouterr().err
-    kept = tmp_path / "kept"
-    (tmp_path / "run.recordings").rename(kept)
-    assert run([*arguments, "--recorded", str(kept)]) == 0
+    assert run([*arguments, "--recorded", f"{out}.recordings"]) == 0  # as it was told
     assert (out / "recordings").is_dir()
+    assert not Path(f"{out}.recordings").exists()
 
 
 def _fail(*_: Any) -> None:
@@ -178,6 +177,30 @@ def test_what_cannot_be_validated_is_refused(
     assert message in error
     assert error.count("\n") == 1
     assert not out.exists()
+
+
+@pytest.mark.parametrize(("told", "taken"), [([], 47.5), (["--fovy-deg", "80"], 80.0)])
+def test_the_field_of_view_is_what_the_path_states(
+    told: list[str],
+    taken: float,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As of every command that replays a path, unless it is told."""
+    path = tmp_path / "walk.csv"
+    rows = "".join(f"{0.1 * i},{i},0,2,0.5,0.5,0.5,0.5\n" for i in range(8))
+    header = '# lodbench.trace/1 {"name": "walk", "fovy_deg": 47.5}\n'
+    path.write_text(f"{header}time_s,x_m,y_m,z_m,qx,qy,qz,qw\n{rows}", encoding="utf-8")
+
+    def instead(cases: Any, *_: Any) -> None:
+        raise InputError(f"a field of view of {cases[0].replay.fovy_deg}")
+
+    monkeypatch.setattr("lodbench.analysis.validation.run_cases.carry_out", instead)
+    assert run(["validate", *QUICK, "--trace", str(path), *told]) == 2
+    note, error = capsys.readouterr().err.splitlines()
+    assert note.startswith(f"note: field of view of {taken:g} degrees, ")
+    assert error == f"error: a field of view of {taken}"
 
 
 def test_a_folder_with_other_files_is_left_alone(

@@ -30,6 +30,8 @@ def _facts(comparison: Comparison) -> Iterator[tuple[str, str]]:
     yield "display", f"{c.display}, {c.refresh_hz:g} Hz, {c.width_px} × {c.height_px} px"
     if c.eyes is not None:
         yield "cameras", f"two eyes, {c.eyes}"
+    if c.players > 1:
+        yield "cameras", f"{c.players} players share the screen"
     in_flight = counted(c.frames_in_flight, "frame")
     yield "pipeline", f"{in_flight} in flight, {pacing}"
     yield "field of view", f"{c.fovy_deg:.4g}° vertical {c.fovy_of}".rstrip()

@@ -24,6 +24,13 @@ def test_cases_take_from_the_options_what_they_leave_open(tmp_path: Path) -> Non
     assert second == CaseSpec(scene, "walk", 9.0, "0:2", "shrink", 60.0, ("full",))
 
 
+def test_a_name_too_long_for_a_file_is_a_name(tmp_path: Path) -> None:
+    """Who looks for the scene says that there is none."""
+    study, name = tmp_path / "study.toml", "a" * 300
+    study.write_text(f'[[case]]\nscene = "{name}"\ntrace = "walk"\n', encoding="utf-8")
+    assert [case.scene for case in read_cases(study)] == [name]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

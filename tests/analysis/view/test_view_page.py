@@ -20,6 +20,7 @@ from lodbench.analysis.view.view_page import render_view
 from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.models.meshes.geometry import LevelMesh
+from lodbench.models.scene.rig import Eyes
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.frame_log import FrameLog
@@ -169,6 +170,24 @@ def test_a_cut_is_told(compared: Compared, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 HOSTILE = "</script><script>alert('\"')</script><!--" + "é" * 10_000
+
+
+def test_a_picture_has_the_shape_of_one_cameras(compared: Compared) -> None:
+    """Half a screen of each eye, all of its width of two players, a quarter of three; and whose."""
+    had = compared.comparison.conditions
+    screen = had.width_px / had.height_px
+    assert read_page(render_view(compared))[0]["aspect"] == pytest.approx(screen)
+    for changes, aspect, whose in (
+        ({"eyes": Eyes(apart_m=0.06)}, screen / 2, "of the head, between its two eyes"),
+        ({"eyes": Eyes(apart_m=0.06, size_px=(300, 400))}, 0.75, "of the head, between its two"),
+        ({"players": 2}, screen * 2, "of the first of 2 players"),
+        ({"players": 3}, screen, "of the first of 3 players"),
+    ):
+        conditions = replace(had, **changes)
+        comparison = replace(compared.comparison, conditions=conditions)
+        page = render_view(replace(compared, comparison=comparison))
+        assert read_page(page)[0]["aspect"] == pytest.approx(aspect)
+        assert f"The picture is that {whose}" in page
 
 
 def test_names_of_any_kind_are_text(compared: Compared) -> None:

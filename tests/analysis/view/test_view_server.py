@@ -1,7 +1,10 @@
 """The viewer's server: this machine alone, whoever has the address, and nothing but the page."""
 
 import http.client
+import socket
+import struct
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -63,6 +66,28 @@ def test_it_is_read_only(server: PageServer, method: str) -> None:
     """Methods that write are not known."""
     path = "/" + server.url.rsplit("/", 2)[1] + "/"
     assert ask(server, path, method)[0] == 501
+
+
+def test_a_browser_that_leaves_early_is_no_error(capsys: pytest.CaptureFixture[str]) -> None:
+    """It resets the connection while a page of 20 MB is on its way."""
+    with PageServer("x" * 20_000_000) as served:
+        thread = threading.Thread(target=served.serve_forever, args=(0.01,))
+        thread.start()
+        before = threading.active_count()
+        path = "/" + served.url.rsplit("/", 2)[1] + "/"
+        asked = socket.create_connection((ADDRESS, served.server_port), timeout=5)
+        host = f"{ADDRESS}:{served.server_port}"
+        asked.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        assert asked.recv(1000)
+        asked.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        asked.close()
+        end = time.monotonic() + 5.0
+        while threading.active_count() > before and time.monotonic() < end:  # the request's thread
+            time.sleep(0.01)
+        assert ask(served, path)[0] == 200
+        served.shutdown()
+        thread.join()
+    assert capsys.readouterr().err == ""
 
 
 def test_each_address_is_another() -> None:

@@ -107,6 +107,18 @@ def test_variants_are_levels(tmp_path: Path, set_name: str, names: tuple[str, st
     assert (tmp_path / "scene.usda").read_text(encoding="utf-8").count("variantSet ") == 1
 
 
+def test_what_moves_stands_where_it_begins(tmp_path: Path) -> None:
+    """Exporters write positions, and points that bend, by time alone: none is lost or misplaced."""
+    walks = """double3 xformOp:translate.timeSamples = { 24: (9, 0, 0), 1: (5, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]"""
+    waves = cube("waves", more=moved(0, 7, 0)).replace(
+        f"points = [{CORNERS}]", f"points.timeSamples = {{ 1: [{CORNERS}] }}"
+    )
+    scene, geometry, _ = read_usd_scene(write(tmp_path, cube("walks", more=walks) + waves), FEW)
+    assert scene.position_m.tolist() == [[5.0, 0.0, 0.0], [0.0, 7.0, 0.0]]
+    assert [volume(mesh) for mesh in geometry] == pytest.approx([1.0])
+
+
 def test_hands_and_mirrors_turn_the_winding(tmp_path: Path) -> None:
     """A cube looks outward whatever hand it was made by and however it is mirrored."""
     left = 'uniform token orientation = "leftHanded"'

@@ -2,6 +2,7 @@
 
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,7 +12,9 @@ from hypothesis import strategies as st
 
 from lodbench.base.errors import InputError
 from lodbench.models.scene.camera import Camera
+from lodbench.models.scene.rig import Eyes
 from lodbench.models.scene.scene import Scene
+from lodbench.policies.bounds.full import Full
 from lodbench.policies.controllers.predictive import Predictive, extrapolate
 from lodbench.policies.protocol import Capabilities, Policy
 from lodbench.policies.registry import parse_policy
@@ -148,6 +151,32 @@ class Recorder:
         """Select and keep."""
         self.selected.append(self.policy.select(view))
         return self.selected[-1]
+
+
+@pytest.mark.parametrize("eyes", [None, Eyes(apart_m=0.0)])
+def test_speeds_are_those_of_the_predicted_pose(
+    line: Scene,
+    make_hardware: Make,
+    make_trace: Make,
+    monkeypatch: pytest.MonkeyPatch,
+    eyes: Eyes | None,
+) -> None:
+    """Who turns by 9 degrees a second sees objects pass at that speed, whatever the horizon."""
+    half = np.radians(4.5)
+    turned = [(0.0, 0.0, 0.0, 1.0), (0.0, float(np.sin(half)), 0.0, float(np.cos(half)))]
+    trace = replace(make_trace([(0.0, 0.0, 0.0)] * 2), orientation_xyzw=np.array(turned))
+    speeds, select = list[float](), Full.select
+
+    def watched(policy: Full, view: View) -> Selection:
+        speeds.extend(view.speed_deg_s.tolist())
+        return select(policy, view)
+
+    monkeypatch.setattr(Full, "select", watched)
+    policy = Predictive("full", horizon_ms=200.0)
+    hardware = make_hardware(base_ms=20.0, frames_in_flight=1)
+    options = ReplayOptions(budget_ms=10.0, fovy_deg=90.0, eyes=eyes)
+    replay(policy, line, trace, hardware, options, name="predictive")
+    assert np.median(speeds) == pytest.approx(9.0, rel=0.01)
 
 
 def selection_lag(
