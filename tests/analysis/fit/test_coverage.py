@@ -54,10 +54,8 @@ def test_ninety_percent_intervals_cover_the_truth(
         found = estimate(make_sample(kind, seed=seed), TERMS, model, options)
         draws = found.coefficients_ms.T
         covered[seed] = [covers(x, truth) for x, truth in zip(draws, truth_ms, strict=True)]
-    share = covered.mean(axis=0)
-    print(f"{kind}: {dict(zip(('base', 'draw_calls', 'triangles'), share.tolist(), strict=True))}")
-    assert (share >= 0.85).all()
-    assert (share <= 0.95).all()
+    print(f"{kind}: base, draw calls and triangles")
+    assert has_coverage(covered)
 
 
 @pytest.mark.slow
