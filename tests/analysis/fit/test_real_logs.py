@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from lodbench.analysis.fit.assessment.heldout import HeldOut, hold_out
 from lodbench.analysis.fit.bundled_logs import bundled_log
@@ -56,15 +57,22 @@ def test_held_out_halves_are_predicted(data_dir: Path, name: str):
 
 @pytest.mark.slow
 @pytest.mark.realdata
-@pytest.mark.parametrize(("name", "mean"), [("random", 6.9), ("distance", 11.5)])
-def test_first_halves_do_not_predict_second_ones_and_say_why(
-    data_dir: Path, name: str, mean: float
-):
-    """The second half of each log ran faster for the same counts; the error is reported."""
+@pytest.mark.parametrize("name", ["random", "distance"])
+def test_first_halves_do_not_predict_second_ones_and_say_why(data_dir: Path, name: str):
+    """The second half of each log ran faster for the same counts; the error is reported.
+
+    It is that of non-negative least squares, which like the fit keeps what frames take on average.
+    """
     sample = frames_of(read(data_dir, name))
     found = hold_out(sample, TERMS, "student-t", SamplerOptions(), "halves")
     shown(name, found)
-    assert found.error_pct_mean == pytest.approx(mean, abs=2.0)
+    half = len(sample) // 2
+    columns = np.column_stack((np.ones(len(sample)), sample.predictors))
+    columns /= columns.mean(axis=0)
+    costs, _ = nnls(columns[:half], sample.time_ms[:half])
+    expected = 100.0 * float((columns[half:] @ costs / sample.time_ms[half:]).mean() - 1.0)
+    assert expected > 5.0
+    assert found.error_pct_mean == pytest.approx(expected, abs=3.0)
     assert "what the fit leaves open" in found.reason
 
 
