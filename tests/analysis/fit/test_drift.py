@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.fit.drift import drawing_order, without_drift
+from lodbench.analysis.fit.fit import FitOptions, Source, fit_logs
 from lodbench.analysis.fit.fit_frames import Origin, gather
+from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.traces.logs.render_log import RenderLog
 
 
@@ -49,6 +51,21 @@ def test_a_log_without_reference_draws_is_as_it_was():
     """Any engine's log."""
     log = dataclasses.replace(slowing(), recorded={})
     assert without_drift(log, "frame_ms") == (log, None)
+
+
+def test_drift_of_a_log_that_is_predicted_is_divided_out_too():
+    """A fit to steady frames, and the same frames on a machine that grows slower by half."""
+    rng = np.random.default_rng(0)
+    counts = rng.uniform(1e5, 1e6, (200, 1))
+    time_ms = (2.0 + 1e-5 * counts[:, 0]) * (1.0 + 0.01 * rng.standard_normal(200))
+    log = RenderLog("walk", "csv", ("triangles",), counts, frame_ms=time_ms)
+    slower = np.linspace(0.75, 1.25, 200)
+    later = dataclasses.replace(
+        log, frame_ms=slower * time_ms, recorded={"reference_before_ms": slower}
+    )
+    options = FitOptions("triangles", heldout="none", sampler=SamplerOptions(max_steps=200))
+    (predicted,) = fit_logs([Source(log)], "frame_ms", options, transfer=[later]).transfer
+    assert predicted.error_pct_sd == pytest.approx(1.0, rel=0.2)
 
 
 def test_noise_of_one_reference_draw_is_not_the_frame_s():
