@@ -335,6 +335,6 @@ def _identity(sample: Sample, terms: Sequence[Term], options: FitOptions) -> str
 
 
 def _transfer(sampled: Estimate, log: RenderLog, target: TimeName, options: FitOptions) -> HeldOut:
-    log = shifted(log, target, _lag(log, target, options))
+    log, _ = without_drift(shifted(log, target, _lag(log, target, options)), target)
     sample, _ = gather([log], predictors_of(sampled.terms), target, options.first_frames)
     return judge(sampled, sample, log.name)

@@ -119,7 +119,7 @@ def _shuffled(log: RenderLog) -> bool:
 
 def _places(log: RenderLog) -> NDArray[np.int64]:
     """Return the place of each row on the path, the same in both passes, (n,)."""
-    again = log.recorded.get("pass", np.zeros(len(log)))
+    again = np.nan_to_num(log.recorded.get("pass", np.zeros(len(log))))
     places = np.zeros(len(log), dtype=np.int64)
     for one in np.unique(again):
         rows = np.flatnonzero(again == one)

@@ -164,7 +164,7 @@ def _display(fit: Fit, before: Display) -> Display:
     """Return a display of the size that was drawn, where the log says it."""
     resolution = dict(fit.sources[0].log.header).get("resolution", "")
     width, _, height = resolution.partition("x")
-    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         return before
     return replace(before, width_px=int(width), height_px=int(height))
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
+from ...base.errors import InputError
 from ...sim.frame_log import FrameLog
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
@@ -61,8 +62,15 @@ def measured_of(recorded: Recorded) -> Measured:
 
 
 def frames_in_flight(header: Mapping[str, str]) -> int:
-    """Return how many frames were drawn deep, as the header of a render log says it."""
-    return int(header.get("frames_in_flight", "1"))
+    """Return how many frames were drawn deep, as the header of a render log says it.
+
+    Raises `InputError` if it says no number.
+    """
+    text = header.get("frames_in_flight", "1")
+    if not text.isdecimal():
+        message = f"expected a number of frames in flight in its header, got {text}"
+        raise InputError(f"recording: {message}; record again")
+    return int(text)
 
 
 def usual_reference_ms(recordings: Sequence[Measured]) -> float | None:

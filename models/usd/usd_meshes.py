@@ -30,9 +30,10 @@ def mesh_parts(prim: Any, transform: FloatArray, materials: dict[str, int]) -> I
     """
     from pxr import Usd, UsdGeom, UsdShade
 
-    time: Any = Usd.TimeCode.EarliestTime()  # of what moves, where it begins
+    usd: Any = Usd
     geom: Any = UsdGeom
     shade: Any = UsdShade
+    time = usd.TimeCode.EarliestTime()  # of what moves, where it begins
     path = str(prim.GetPath())
     mesh: Any = geom.Mesh(prim)
     points = np.array(mesh.GetPointsAttr().Get(time) or (), dtype=np.float64).reshape(-1, 3)

@@ -11,6 +11,8 @@ from validation_meshes import write_meshes
 from validation_tables import (
     CALIBRATED,
     DOCS,
+    LOG,
+    PROFILE,
     decision,
     error_cells,
     inside,
@@ -20,7 +22,11 @@ from validation_tables import (
     verdicts,
 )
 
+from lodbench.analysis.fit.bundled_logs import bundled_fit
 from lodbench.analysis.validation.study_file import read_cases
+from lodbench.base.content_hash import content_hash
+from lodbench.models.machine.profile_catalog import load_hardware
+from lodbench.models.machine.profile_file import read_profile
 
 Record = dict[str, Any]
 
@@ -28,6 +34,12 @@ Record = dict[str, Any]
 def error(mean: float, sd: float) -> Record:
     """Return a summary of errors."""
     return {"mean_pct": mean, "sd_pct": sd}
+
+
+def test_what_is_bundled_anew_is_what_the_package_has() -> None:
+    """The profile and the log that ``--bundle`` writes are files that are there."""
+    assert content_hash(load_hardware("llvmpipe")) == content_hash(read_profile(PROFILE))
+    assert bundled_fit("llvmpipe").logs[0].samefile(LOG)
 
 
 def test_corrected_errors_stand_beside_raw_ones() -> None:

@@ -159,6 +159,11 @@ def _by_folds(
     sample: Sample, terms: Sequence[Term], model: Model, options: SamplerOptions, split: str
 ) -> HeldOut:
     folds = folds_of(sample, split)
+    if any(held.all() for held in folds):
+        raise InputError(
+            f"--heldout {split}: expected frames of several places on the path, got all of one; "
+            "use none"
+        )
     fits = [
         estimate(part, varying(part, terms), model, options)
         for part in (sample.rows(~held) for held in folds)

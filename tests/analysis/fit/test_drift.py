@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.fit.drift import drawing_order, without_drift
+from lodbench.analysis.fit.fit import FitOptions, Source, fit_logs
 from lodbench.analysis.fit.fit_frames import Origin, gather
+from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.traces.logs.render_log import RenderLog
 
 
@@ -51,6 +53,21 @@ def test_a_log_without_reference_draws_is_as_it_was():
     assert without_drift(log, "frame_ms") == (log, None)
 
 
+def test_drift_of_a_log_that_is_predicted_is_divided_out_too():
+    """A fit to steady frames, and the same frames on a machine that grows slower by half."""
+    rng = np.random.default_rng(0)
+    counts = rng.uniform(1e5, 1e6, (200, 1))
+    time_ms = (2.0 + 1e-5 * counts[:, 0]) * (1.0 + 0.01 * rng.standard_normal(200))
+    log = RenderLog("walk", "csv", ("triangles",), counts, frame_ms=time_ms)
+    slower = np.linspace(0.75, 1.25, 200)
+    later = dataclasses.replace(
+        log, frame_ms=slower * time_ms, recorded={"reference_before_ms": slower}
+    )
+    options = FitOptions("triangles", heldout="none", sampler=SamplerOptions(max_steps=200))
+    (predicted,) = fit_logs([Source(log)], "frame_ms", options, transfer=[later]).transfer
+    assert predicted.error_pct_sd == pytest.approx(1.0, rel=0.2)
+
+
 def test_noise_of_one_reference_draw_is_not_the_frame_s():
     """References with 20 % of noise, frames with none: less than half of it goes over."""
     rng = np.random.default_rng(0)
@@ -83,3 +100,7 @@ def test_frames_are_gathered_in_the_order_in_which_they_were_drawn():
     assert sample.path is not None
     assert sample.path.tolist() == [1, 3, 0, 2, 1, 0, 2, 3]
     assert sample.origin(0) == Origin("plaza", "monday")
+    unknown = dataclasses.replace(log, recorded=log.recorded | {"pass": np.full(8, np.nan)})
+    sample, _ = gather([unknown], ["triangles"], "gpu_ms", 0)
+    assert sample.path is not None
+    assert sorted(sample.path.tolist()) == list(range(8))  # no pass said: all of one

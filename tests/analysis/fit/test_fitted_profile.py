@@ -14,6 +14,7 @@ from lodbench.analysis.fit.sampling.sampler import SamplerOptions
 from lodbench.analysis.fit.terms import parse_terms
 from lodbench.base.errors import InputError
 from lodbench.base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from lodbench.models.machine.hardware import Display
 from lodbench.models.machine.profile_file import parse_profile
 from lodbench.models.machine.profile_writer import profile_toml
 from lodbench.traces.logs.render_log import RenderLog, TimeName
@@ -149,6 +150,14 @@ def test_cpu_times_go_onto_a_profile(make_sample: MakeSample, gpu_fit: Fit):
     assert profile.posterior == before.posterior
     assert profile.display == before.display
     assert "the rest is that of before" in profile.provenance.method
+
+
+@pytest.mark.parametrize("said", ["", "800", "0x600", "²x3", "800 by 600"])
+def test_a_resolution_that_is_none_leaves_the_display(make_sample: MakeSample, said: str):
+    """Headers are anybody's."""
+    log = log_of(make_sample(), header=(("resolution", said),))
+    profile = profile_of(fitted(log, "draw_calls"), "plain")
+    assert profile.display == Display()
 
 
 def test_a_roofline_goes_into_the_profile_with_its_draws(make_sample: MakeSample):

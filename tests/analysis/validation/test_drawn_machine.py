@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from lodbench.analysis.validation.drawn_machine import as_drawn
-from lodbench.analysis.validation.recorded_frames import Measured
+from lodbench.analysis.validation.recorded_frames import Measured, frames_in_flight
+from lodbench.base.errors import InputError
 from lodbench.models.machine.cost import CpuCostModel
 from lodbench.models.machine.hardware import HardwareProfile
 
@@ -51,3 +52,11 @@ def test_frames_that_are_waited_for_are_simulated_as_the_profile_has_them(
     hardware = make_machine()
     passed = recorded(hardware, ("full",), (None,))["full"]
     assert as_drawn(hardware, {"frames_in_flight": "1"}, [passed]) == hardware
+
+
+@pytest.mark.parametrize("text", ["", "two", "-1", "1.5", "²"])
+def test_a_header_that_says_no_number_is_refused(text: str) -> None:
+    """In one line: the file was edited."""
+    with pytest.raises(InputError, match="expected a number of frames in flight in its header"):
+        frames_in_flight({"frames_in_flight": text})
+    assert frames_in_flight({}) == 1

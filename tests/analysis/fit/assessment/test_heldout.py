@@ -126,6 +126,14 @@ def test_a_fit_that_cannot_be_done_is_refused(make_sample: MakeSample):
         hold_out(make_sample(frames=4), TERMS, "gaussian", SHORT, "auto")
 
 
+def test_frames_of_one_place_cannot_be_held_out(make_sample: MakeSample):
+    """Each drawn in a pass of its own, which leaves nothing to fit to."""
+    frames = make_sample(frames=100)
+    of_one_place = dataclasses.replace(frames, path=np.zeros(100, dtype=np.int64))
+    with pytest.raises(InputError, match="expected frames of several places on the path"):
+        hold_out(of_one_place, TERMS, "student-t", SHORT, "blocks")
+
+
 def test_each_frame_in_turn_where_there_are_few(make_sample: MakeSample):
     """Twelve frames are left out one by one; of many that is refused."""
     found = hold_out(make_sample(frames=12), TERMS, "gaussian", SHORT, "auto")
