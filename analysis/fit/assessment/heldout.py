@@ -50,6 +50,8 @@ class HeldOut:
     reason : why the prediction is off, if it is, one sentence
     folds : parts that were held out in turn
     error_pct_mean_se : standard error of the mean, over blocks or logs; 0 where there is but one
+    error_pct_total : error of the time of all frames together: the mean of errors is too high where
+        times scatter, as that of 1 / (1 + e) is
     """
 
     split: str
@@ -63,12 +65,14 @@ class HeldOut:
     reason: str = ""
     folds: int = 1
     error_pct_mean_se: float = 0.0
+    error_pct_total: float = 0.0
 
     @property
     def unfit(self) -> str:
         """Why the model is not to be used for other frames, in words; empty where it is."""
-        if abs(self.error_pct_mean) > max(_UNFIT_MEAN_PCT, 2.0 * self.error_pct_mean_se):
-            return f"the mean error is {self.error_pct_mean:+.1f} %, over {_UNFIT_MEAN_PCT:g} %"
+        if abs(self.error_pct_total) > max(_UNFIT_MEAN_PCT, 2.0 * self.error_pct_mean_se):
+            off = f"{self.error_pct_total:+.1f} %, over {_UNFIT_MEAN_PCT:g} %"
+            return f"the time of all together is off by {off}"
         if self.error_pct_sd > _UNFIT_SD_PCT:
             return f"errors scatter by {self.error_pct_sd:.0f} %, over {_UNFIT_SD_PCT:g} %"
         if self.coverage_90 < _UNFIT_COVERAGE:
@@ -237,7 +241,7 @@ def _reason(fitted: Estimate, sample: Sample, summary: HeldOut) -> str:
 
 
 def _summary(split: str, predictions: Sequence[tuple[FloatArray, float]]) -> HeldOut:
-    errors, covered, score = np.hstack([frames for frames, _ in predictions])
+    errors, covered, score, time_ms = np.hstack([frames for frames, _ in predictions])
     return HeldOut(
         split,
         len(errors),
@@ -248,4 +252,5 @@ def _summary(split: str, predictions: Sequence[tuple[FloatArray, float]]) -> Hel
         float(score.mean()),
         float(np.mean([left_open for _, left_open in predictions])),
         folds=len(predictions),
+        error_pct_total=float(np.average(errors, weights=time_ms)),
     )

@@ -12,9 +12,10 @@ _MOST_ROWS = 20_000
 
 
 def predict(fitted: Estimate, sample: Sample) -> tuple[FloatArray, float]:
-    """Return what there is to say of each frame, (3, n), and the deviation of the mean error.
+    """Return what there is to say of each frame, (4, n), and the deviation of the mean error.
 
-    Of a frame: the error in per cent, whether the interval covers it, and the log density.
+    Of a frame: the error in per cent, whether the interval covers it, the log density, and the
+    time measured.
     """
     return predict_by(fitted.draws, fitted, sample)
 
@@ -28,7 +29,8 @@ def predict_by(draws: Draws, fitted: Estimate, sample: Sample) -> tuple[FloatArr
     low, high = np.quantile(simulated, (0.05, 0.95), axis=0)
     errors = 100.0 * (mean.mean(axis=0) / sample.time_ms - 1.0)
     covered = (sample.time_ms >= low) & (sample.time_ms <= high)
-    frames = np.stack((errors, covered, draws.log_density(design, sample.time_ms)))
+    density = draws.log_density(design, sample.time_ms)
+    frames = np.stack((errors, covered, density, sample.time_ms))
     return frames, float((100.0 * (mean / sample.time_ms - 1.0).mean(axis=1)).std())
 
 

@@ -92,7 +92,8 @@ def test_a_model_that_does_not_predict_is_unfit():
     good = HeldOut("blocks", 100, 3.0, 9.0, (0.0,) * 5, 0.9, 0.0, error_pct_mean_se=1.0)
     assert good.unfit == ""
     replace = dataclasses.replace
-    assert "the mean error is +71.0 %" in replace(good, error_pct_mean=71.0).unfit
+    assert "is off by +71.0 %" in replace(good, error_pct_total=71.0).unfit
+    assert replace(good, error_pct_mean=11.0, error_pct_total=1.0).unfit == ""  # of noise alone
     assert replace(good, error_pct_mean=12.0, error_pct_mean_se=7.0).unfit == ""
     assert "errors scatter by 93 %" in replace(good, error_pct_sd=93.0).unfit
     assert "90 % intervals hold 40%" in replace(good, coverage_90=0.4).unfit
