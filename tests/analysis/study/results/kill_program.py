@@ -10,7 +10,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,6 @@ from lodbench.models.machine.hardware import HardwareProfile, Posterior, Provena
 from lodbench.models.machine.residual import Residual
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import ObjectTypes, Scene
-from lodbench.sim.frame_log import FrameLog
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 POLICIES = ("full", "static-screen:bias=1", "feedback:target=0.9")
@@ -133,7 +132,7 @@ def build_world() -> tuple[Scene, CameraTrace, HardwareProfile]:
     return scene, trace, hardware
 
 
-def draw_line(comparison: Comparison, _: Mapping[str, FrameLog]) -> str:
+def draw_line(comparison: Comparison, *_: object) -> str:
     """Return a page of a line."""
     return repr(comparison)
 
