@@ -34,8 +34,9 @@ TIMES = (
 
 UNLOGGED = (
     *("framebuffer_pixels", "objects_culled"),  # the same in every frame at full size
-    # Told by others: all that is drawn, its triangles, and the logarithm of its number.
-    *("reformed_objects", "reformed_triangles", "reduction_steps"),
+    # Told by others: all that is drawn, its triangles, the logarithm of its number, and triangles
+    # less textured ones.
+    *("reformed_objects", "reformed_triangles", "reduction_steps", "untextured_triangles"),
 )
 """Predictors without a column, which would cost nine bytes a frame each."""
 

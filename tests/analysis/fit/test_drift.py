@@ -100,7 +100,7 @@ def test_frames_are_gathered_in_the_order_in_which_they_were_drawn():
     assert sample.path is not None
     assert sample.path.tolist() == [1, 3, 0, 2, 1, 0, 2, 3]
     assert sample.origin(0) == Origin("plaza", "monday")
-    unknown = dataclasses.replace(log, recorded=log.recorded | {"pass": np.full(8, np.nan)})
+    unknown = dataclasses.replace(log, recorded={**log.recorded, "pass": np.full(8, np.nan)})
     sample, _ = gather([unknown], ["triangles"], "gpu_ms", 0)
     assert sample.path is not None
     assert sorted(sample.path.tolist()) == list(range(8))  # no pass said: all of one
