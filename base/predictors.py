@@ -38,10 +38,11 @@ GPU_PREDICTORS = (
     *CHANGE_PREDICTORS,
 )
 
+POLICY_WORK = ("objects_visited", "comparisons", "iterations")
+"""Counts of what a policy does to decide, which the CPU pays for."""
+
 CPU_PREDICTORS = (
-    "objects_visited",
-    "comparisons",
-    "iterations",
+    *POLICY_WORK,
     "levels_extracted",  # index sets made, or brought to another collapse step
     "triangles_changed",  # triangles that are new or different in these
     "levels_borrowed",

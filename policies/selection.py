@@ -7,6 +7,7 @@ import numpy as np
 
 from ..base.arrays import FloatArray, IntArray
 from ..base.foreign_text import describe_value, type_name
+from ..base.predictors import POLICY_WORK
 from ..models.scene.nodes import Nodes
 from ..models.scene.scene import Scene
 from ..models.scene.tree import Tree
@@ -166,7 +167,7 @@ def _is_real(value: object) -> bool:
 def _wrong_numbers(work: Any, predicted_ms: Any, render_scale: Any) -> str | None:
     if type(work) is not Work:
         return f"work: expected a Work, got {type_name(work)}"
-    for name in ("objects_visited", "comparisons", "iterations"):
+    for name in POLICY_WORK:
         count: Any = getattr(work, name, None)
         if not _is_real(count) or not 0 <= count <= MOST_WORK:
             got = describe_value(count)

@@ -85,16 +85,20 @@ def design_of(sample: Sample, terms: Sequence[Term], unit: FloatArray | None = N
     for term in terms:
         if term.kind == "roofline":
             roofline = {ROOFLINE + name: sample.column(name) for name in term.predictors}
-        elif term.kind == "knee":
-            additive[str(term)] = np.maximum(sample.column(term.predictors[0]) - term.at, 0.0)
         else:
-            factors = [sample.column(name) for name in term.predictors]
-            additive[str(term)] = np.prod(factors, axis=0)
+            additive[str(term)] = additive_column(sample, term)
     columns = np.stack([*additive.values(), *roofline.values()])
     names = (*additive, *roofline)
     if unit is None:
         unit = _means(names, columns)
     return Design(names, unit, columns / unit[:, np.newaxis], len(additive))
+
+
+def additive_column(sample: Sample, term: Term) -> FloatArray:
+    """Return what a term that is no roofline counts in each frame, (n,)."""
+    if term.kind == "knee":
+        return np.maximum(sample.column(term.predictors[0]) - term.at, 0.0)
+    return np.prod([sample.column(name) for name in term.predictors], axis=0)
 
 
 def _means(names: Sequence[str], columns: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
-from ...traces.logs.render_log import RenderLog, TimeName
+from ...traces.logs.render_log import REFERENCES, RenderLog, TimeName
 
 _NEIGHBOURS = 9  # frames, in order of drawing, whose median counts: one draw has noise of its own
 
@@ -37,8 +37,7 @@ def without_drift(log: RenderLog, name: TimeName) -> tuple[RenderLog, Drift | No
 
     The log itself and None where it has no reference draws.
     """
-    names = ("reference_before_ms", "reference_after_ms")
-    draws = [log.recorded[each] for each in names if each in log.recorded]
+    draws = [log.recorded[name] for name in REFERENCES if name in log.recorded]
     if not draws:
         return log, None
     order = drawing_order(log)

@@ -9,7 +9,9 @@ from ...base.arrays import FloatArray
 from ...models.machine.profile_file import PER_MS
 from .fit import Fit, Source
 from .fit_residual import residual_of
-from .fit_scatter import ENOUGH_SCENES, scatter_of, variance_share
+from .fit_scatter import scatter_of, variance_share
+from .rounding import to_digits
+from .sampling.between_logs import ENOUGH_SCENES
 
 _DIGITS = 6  # of every number; more would differ from machine to machine
 
@@ -147,4 +149,4 @@ def _rounded(value: Any) -> Any:
         return {key: _rounded(item) for key, item in cast("dict[str, Any]", value).items()}
     if isinstance(value, (list, tuple)):
         return [_rounded(item) for item in cast("list[Any]", value)]
-    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+    return to_digits(value, _DIGITS) if isinstance(value, float) else value

@@ -19,12 +19,13 @@ def residual_of(fit: Fit) -> Residual:
     """
     sample, logs = fit.estimate.sample, range(len(fit.sources))
     kind = "student-t" if fit.options.model == "student-t" else "gaussian"
-    steps = [step_s(source.log, fit.estimate.sample.time_ms) for source in fit.sources]
-    paths = None if sample.path is None else [sample.path[sample.series == log] for log in logs]
+    steps = [step_s(source.log, sample.time_ms) for source in fit.sources]
     series, step = relative_residuals(fit), float(np.median(steps))
-    pairs = [] if paths is None else [pair for pair in map(pairs_of, paths) if pair is not None]
+    of_log = [sample.series == log for log in logs]
+    paths = None if sample.path is None else [sample.path[which] for which in of_log]
+    pairs = [pair for path in paths or () if (pair := pairs_of(path)) is not None]
     if len(pairs) == len(fit.sources):
-        times_ms = [sample.time_ms[sample.series == log] for log in logs]
+        times_ms = [sample.time_ms[which] for which in of_log]
         return paired_residual(series, times_ms, pairs, step, kind)
     return residual_model(series, kind, step, paths)
 

@@ -5,12 +5,15 @@ import numpy as np
 from ...models.machine.identification import Identification
 from ...models.machine.scatter import Scatter
 from .fit import Fit
-from .sampling.between_logs import OCCASION, OCCASION_SCALE, SCENE, SCENE_SCALE, SCENE_TERMS
-
-ENOUGH_SCENES = 3
-"""Scenes from which their spread is an estimate and not the prior's."""
-
-_DIGITS = 4
+from .rounding import to_digits
+from .sampling.between_logs import (
+    ENOUGH_SCENES,
+    OCCASION,
+    OCCASION_SCALE,
+    SCENE,
+    SCENE_SCALE,
+    SCENE_TERMS,
+)
 
 
 def scatter_of(fit: Fit) -> Scatter:
@@ -18,7 +21,7 @@ def scatter_of(fit: Fit) -> Scatter:
     chain, sample = fit.estimate.chain, fit.estimate.sample
     origins = [sample.origin(place) for place in range(len(fit.sources))]
     found = {
-        name: _rounded(float(chain.flat[:, chain.names.index(name)].mean()))
+        name: to_digits(float(chain.flat[:, chain.names.index(name)].mean()))
         for name in chain.names
         if name == OCCASION or name.startswith(SCENE)
     }
@@ -41,7 +44,7 @@ def variance_share(fit: Fit) -> dict[str, float]:
     whole = parts.sum(axis=0)
     shares = parts @ whole / float(whole @ whole)
     return {
-        name: _rounded(float(share))
+        name: to_digits(float(share))
         for name, share in zip(estimate.design.names[1:], shares[1:], strict=True)
     }
 
@@ -49,9 +52,5 @@ def variance_share(fit: Fit) -> dict[str, float]:
 def identification_of(fit: Fit) -> Identification:
     """Return how well the terms of a fit are told apart."""
     return Identification(
-        _rounded(max(fit.collinearity.condition_number, 1.0)), variance_share(fit)
+        to_digits(max(fit.collinearity.condition_number, 1.0)), variance_share(fit)
     )
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")

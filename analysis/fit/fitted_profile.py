@@ -17,6 +17,7 @@ from .design import BASE, ROOFLINE
 from .fit import Fit, Source
 from .fit_residual import residual_of
 from .fit_scatter import identification_of, scatter_of
+from .rounding import to_digits
 from .terms import Term
 
 _DRAWS = 64
@@ -72,7 +73,7 @@ def profile_of(
         provenance=_provenance(fit, date, onto),
         display=_display(fit, before.display),
     )
-    mean = [_rounded(value) for value in fit.coefficients.mean(axis=0).tolist()]
+    mean = [to_digits(value, _DIGITS) for value in fit.coefficients.mean(axis=0).tolist()]
     coefficients = dict(zip(fit.estimate.design.names, mean, strict=True))
     base = coefficients.pop(BASE)
     if fit.target == "cpu_ms":
@@ -169,9 +170,5 @@ def _display(fit: Fit, before: Display) -> Display:
     return replace(before, width_px=int(width), height_px=int(height))
 
 
-def _rounded(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")
-
-
 def _all_rounded(values: FloatArray) -> FloatArray:
-    return np.array([_rounded(value) for value in values.tolist()])
+    return np.array([to_digits(value, _DIGITS) for value in values.tolist()])

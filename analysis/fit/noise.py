@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ...base.arrays import BoolArray, FloatArray
 from ...models.machine.residual import Residual, ResidualKind
 from .assessment.spikes import are_spikes, beside_neighbours
+from .rounding import to_digits
 
-_DIGITS = 4
 _MOST = 20_000  # innovations whose tails are looked at
 _LAGS = np.array([1, 2, 3, 5, 8, 13, 20, 30, 45, 60])
 _SLOW_FRAMES = np.geomspace(10.0, 1_000.0, 25)  # correlation times of a slow state
@@ -73,14 +73,14 @@ def residual_model(
     slow = np.sqrt(parts.slow_share * variance)
     return Residual(
         kind=kind,
-        scale=_rounded(width),
-        dof=_rounded(dof),
+        scale=to_digits(width),
+        dof=to_digits(dof),
         floor=float(np.clip(np.floor(10.0 * lowest) / 10.0, 0.0, 1.0)),
-        correlation=_rounded(parts.correlation),
-        slow_scale=_rounded(min(float(slow), 1.0)),
-        slow_time_s=_rounded(max(parts.slow_frames * step_s, 0.01)) if slow > 0.0 else 1.0,
-        spike_share=_rounded(share),
-        spike_scale=_rounded(scale),
+        correlation=to_digits(parts.correlation),
+        slow_scale=to_digits(min(float(slow), 1.0)),
+        slow_time_s=to_digits(max(parts.slow_frames * step_s, 0.01)) if slow > 0.0 else 1.0,
+        spike_share=to_digits(share),
+        spike_scale=to_digits(scale),
     )
 
 
@@ -200,7 +200,3 @@ def _tails(innovation: FloatArray, kind: ResidualKind) -> tuple[float, float]:
         if scale * worst <= _RARE * largest:
             return dof, scale
     return _DOF[-1], deviation
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")

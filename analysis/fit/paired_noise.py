@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ...base.arrays import FloatArray
 from ...models.machine.residual import Residual, ResidualKind
+from .rounding import to_digits
 
-_DIGITS = 4
 _FAR = 6.0  # robust deviations, beyond which a difference is a spike's
 _MAD = 1.4826  # deviations of a normal distribution in its median absolute deviation
 _MOST_LAGS = 60
@@ -53,10 +53,9 @@ def paired_residual(
     step_s
         Seconds of the path from frame to frame.
     """
-    weight = np.concatenate(
-        [time[pair].mean(axis=1) for time, pair in zip(times_ms, pairs, strict=True)]
-    )
-    both = np.concatenate([part[pair] for part, pair in zip(series, pairs, strict=True)])
+    weights = [time[pair].mean(axis=1) for time, pair in zip(times_ms, pairs, strict=True)]
+    drawings = [part[pair] for part, pair in zip(series, pairs, strict=True)]
+    weight, both = np.concatenate(weights), np.concatenate(drawings)
     apart = (both[:, 0] - both[:, 1]) / np.sqrt(2.0)
     limit = _FAR * _MAD * _weighted_median(np.abs(apart), weight)
     spiked = np.abs(apart) > limit
@@ -64,21 +63,21 @@ def paired_residual(
     noise = float(np.average(apart[quiet] ** 2, weights=weight[quiet]))
     missed = float(np.average(both[quiet].prod(axis=1), weights=weight[quiet]))
     slow = np.sqrt(max(missed, 0.0))
-    frames = _frames_alike(series, times_ms, pairs, missed) if slow else 1.0
+    frames = _frames_alike(drawings, weights, missed) if slow else 1.0
     dof = _dof(apart[quiet], weight[quiet], noise) if kind == "student-t" else _MOST_DOF
     # A t of so many degrees of freedom has this much more variance than its scale squared.
     scale = np.sqrt(noise * (dof - 2.0) / dof) if kind == "student-t" else np.sqrt(noise)
     share, excess = _spikes(apart, spiked, weight, limit) if kind == "student-t" else (0.0, 0.0)
     return Residual(
         kind=kind,
-        scale=_rounded(float(scale)),
-        dof=_rounded(dof),
+        scale=to_digits(float(scale)),
+        dof=to_digits(dof),
         floor=float(np.clip(np.floor(10.0 * (1.0 - limit)) / 10.0, 0.0, 1.0)),
-        correlation=_rounded(_correlation(series, times_ms, noise)),
-        slow_scale=_rounded(min(float(slow), 1.0)),
-        slow_time_s=_rounded(max(frames * step_s, 0.01)) if slow else 1.0,
-        spike_share=_rounded(share),
-        spike_scale=_rounded(excess),
+        correlation=to_digits(_correlation(series, times_ms, noise)),
+        slow_scale=to_digits(min(float(slow), 1.0)),
+        slow_time_s=to_digits(max(frames * step_s, 0.01)) if slow else 1.0,
+        spike_share=to_digits(share),
+        spike_scale=to_digits(excess),
     )
 
 
@@ -131,20 +130,13 @@ def _correlation(
 
 
 def _frames_alike(
-    series: Sequence[FloatArray],
-    times_ms: Sequence[FloatArray],
-    pairs: Sequence[NDArray[np.int64]],
-    missed: float,
+    drawings: Sequence[FloatArray], weights: Sequence[FloatArray], missed: float
 ) -> float:
     """Return in how many frames of the path what the model misses falls to 1/e.
 
     `missed` is its variance; the machine's noise is of other moments in neighbours, and drops out.
     """
-    both = [
-        np.clip(part[pair].mean(axis=1), -1.0, 1.0)
-        for part, pair in zip(series, pairs, strict=True)
-    ]
-    weights = [time[pair].mean(axis=1) for time, pair in zip(times_ms, pairs, strict=True)]
+    both = [np.clip(part.mean(axis=1), -1.0, 1.0) for part in drawings]
     shortest = min(map(len, both))
     for lag in range(1, min(_MOST_LAGS, shortest // 4)):
         product = np.concatenate([part[:-lag] * part[lag:] for part in both])
@@ -152,7 +144,3 @@ def _frames_alike(
         if float(np.average(product, weights=weight)) < missed / np.e:
             return float(lag)
     return float(_MOST_LAGS)
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")

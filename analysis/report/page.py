@@ -1,17 +1,12 @@
 """Turn sections into a page: one file that holds its style, scripts and data."""
 
 from collections.abc import Iterable, Sequence
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .blocks import Cell, Chart, Section
+from .page_template import page_template
 from .plots import HIGH, LEVEL_STYLES, WIDE
 
-if TYPE_CHECKING:  # jinja2 is loaded by what writes a page
-    from jinja2 import Template
-
-_TEMPLATES = Path(__file__).parent / "templates"
 _CONFIG = {"displayModeBar": False, "responsive": True}
 
 
@@ -33,25 +28,10 @@ def render_page(
     """
     sections = list(sections)
     off = [cell.ink.index for cell in legend[drawn_at_first or len(legend) :] if cell.ink]
-    return _template().render(
+    return page_template("page.html").render(
         title=title, subtitle=subtitle, sections=sections, legend=legend, off=off,
         plotly=_plotly_for(sections), draw=_draw, wide=WIDE, high=HIGH, levels=LEVEL_STYLES,
     )  # fmt: skip
-
-
-@cache
-def _template() -> "Template":
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template("page.html")
 
 
 def _plotly_for(sections: Sequence[Section]) -> str:

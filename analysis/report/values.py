@@ -1,7 +1,5 @@
 """Numbers as tables, pages and sentences show them."""
 
-from ..metrics.metric import Metric
-
 ABSENT = "–"
 
 
@@ -31,8 +29,3 @@ def format_span(low: float | None, high: float | None, *, percent: bool = False)
 def counted(number: int, one: str, many: str = "") -> str:
     """Return a number with the word for what there are so many of; many are `one` and an s."""
     return f"{number:,} {one if number == 1 else many or f'{one}s'}"
-
-
-def metric_words(metric: Metric) -> str:
-    """Return a metric's id as words, without its unit."""
-    return " ".join(word for word in metric.id.split("_") if word != metric.unit)

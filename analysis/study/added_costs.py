@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, POLICY_WORK
 from ...models.machine.hardware import HardwareProfile
 from ..metrics.measured_frames import MeasuredFrames
 
@@ -46,7 +46,7 @@ ADDED_COSTS = (
     AddedCost("uploads at 10 GB/s", ("bytes_uploaded",), gpu_ms=1e-7, cpu_ms=0.0, where_free=True),
     # No bundled profile has measured what deciding takes: compiled or interpreted, by how many
     # threads.
-    AddedCost("deciding at twice its cost", ("objects_visited", "comparisons", "iterations")),
+    AddedCost("deciding at twice its cost", POLICY_WORK),
 )
 
 

@@ -10,6 +10,13 @@ Progress = Callable[[int, int], None]
 """Called with the replays done and the replays in all."""
 
 
+def part_of(progress: Progress | None, at: int, parts: int) -> Progress | None:
+    """Return what tells of one part of the work as of a thousand steps of all parts."""
+    if progress is None:
+        return None
+    return lambda now, of: progress(1000 * at + 1000 * now // max(of, 1), 1000 * parts)
+
+
 def choose_draws(hardware: HardwareProfile, count: int) -> list[int]:
     """Return draws of a machine, each once: of one with scatter the first, else evenly spaced ones.
 

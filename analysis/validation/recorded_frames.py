@@ -12,13 +12,12 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...sim.frame_log import FrameLog
+from ...traces.logs.render_log import REFERENCES
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..metrics.over_time import time_mean, time_quantile
 from .recordings import Recorded
 from .validation_result import Drift
-
-_REFERENCES = ("reference_before_ms", "reference_after_ms")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +49,7 @@ class Measured:
 def measured_of(recorded: Recorded) -> Measured:
     """Return a recording with its counts under the names of the cost model."""
     columns = recorded.columns
-    reference = [columns[name] for name in _REFERENCES if name in columns]
+    reference = [columns[name] for name in REFERENCES if name in columns]
     return Measured(
         recorded.frames,
         columns | {"shaded_samples": columns["projected_px"]},

@@ -8,7 +8,7 @@ from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene_catalog import OpenedScene
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
-from ..study.runs import Progress
+from ..study.runs import Progress, part_of
 from .record_options import RecordOptions
 from .recordings import Recorded, open_recorder
 
@@ -30,11 +30,6 @@ class Recordings:
 
     policies: dict[str, list[Recorded]]
     failed: dict[str, str]
-
-
-def _share(progress: Progress, done: int, total: int) -> Progress:
-    """Return what tells of one recording as a share of all."""
-    return lambda now, of: progress(1000 * done + 1000 * now // max(of, 1), 1000 * total)
 
 
 def record_all(
@@ -65,7 +60,7 @@ def record_all(
                 if label in failed:
                     continue
                 done = again * len(labels) + place
-                share = None if progress is None else _share(progress, done, passes * len(labels))
+                share = part_of(progress, done, passes * len(labels))
                 try:
                     recorded = recorder.record(label, trace, hardware, options, progress=share)
                 except PolicyError as error:

@@ -10,7 +10,7 @@ from ...models.scene.scene_catalog import OpenedScene
 from ...sim.replay import ReplayOptions
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.compare import CompareSettings
-from ..study.runs import Progress
+from ..study.runs import Progress, part_of
 from .drawn_machine import as_drawn
 from .record_options import RecordOptions
 from .recorded_frames import measured_of
@@ -95,7 +95,7 @@ def carry_out(
     series: dict[int, Series] = {}
     draws = 0
     for number, (case, name) in enumerate(zip(cases, names, strict=True)):
-        recordings = _recordings(case, name, source, _part(progress, 2 * number, 2 * len(cases)))
+        recordings = _recordings(case, name, source, part_of(progress, 2 * number, 2 * len(cases)))
         if not recordings.policies:
             raise _nothing(case, recordings)
         header = dict(next(iter(recordings.policies.values()))[0].header)
@@ -111,7 +111,7 @@ def carry_out(
             case.replay,
             scoring,
             replicates,
-            _part(progress, 2 * number + 1, 2 * len(cases)),
+            part_of(progress, 2 * number + 1, 2 * len(cases)),
         )
         draws = max(draws, simulation.draws)
         header.pop("policy", None)
@@ -123,13 +123,6 @@ def carry_out(
         }
     validation = validate(judged, cases[0].hardware, replicates, draws)
     return Carried(validation, names, series)
-
-
-def _part(progress: Progress | None, at: int, parts: int) -> Progress | None:
-    """Return what tells of one part of the work as of 1000 steps of all."""
-    if progress is None:
-        return None
-    return lambda now, of: progress(1000 * at + 1000 * now // max(of, 1), 1000 * parts)
 
 
 def _recordings(

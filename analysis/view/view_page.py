@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...models.meshes.geometry import Geometry
 from ...models.scene.scene import Scene
-from ...models.scene.tree import Tree
+from ...models.scene.tree import relative_depth
 from ...sim.frame_log import FrameLog
 from ...sim.level_history import HIDDEN, LevelHistory
 from ...sim.sight import picture_size
 from ..metrics.measured_frames import MeasuredFrames
 from ..report.names import short_name
+from ..report.page_template import page_template
 from ..report.summary import describe_run, shown_policies, words_of
 from ..study.comparison_folder import Compared
 from ..study.comparison_parts import Conditions
@@ -78,7 +79,7 @@ def render_view(
         "aspect": width_px / height_px,
     }
     title = words_of(comparison, f"{comparison.scene} along {comparison.paths[0]}")
-    return _template().render(
+    return page_template("view.html", _HERE / "templates").render(
         title=title,
         subtitle=words_of(comparison, describe_run(comparison)),
         note=" ".join(
@@ -114,7 +115,6 @@ def require_levels(compared: Compared, labels: Sequence[str]) -> tuple[Scene, li
 
 def _scene_arrays(scene: Scene) -> dict[str, NDArray[Any]]:
     """Return nodes and level table as a viewer needs them, in metres."""
-    depth = np.zeros(len(scene)) if scene.flat else Tree(scene).depth
     arrays: dict[str, NDArray[Any]] = {
         "type": scene.type_index,
         "position_m": scene.position_m.astype(np.float32),
@@ -124,7 +124,7 @@ def _scene_arrays(scene: Scene) -> dict[str, NDArray[Any]]:
         "radius_m": scene.radius_m.astype(np.float32),
         "first_row": scene.types.levels.start[:-1].astype(np.int32),
         "levels": scene.types.levels.level_count.astype(np.int32),
-        "depth": (depth / max(1, int(depth.max()))).astype(np.float32),
+        "depth": relative_depth(scene).astype(np.float32),
     }
     if scene.motion is not None:
         motion = scene.motion
@@ -196,18 +196,3 @@ def _three() -> str:
     pairs = (each.split(" as ") for each in found.group(1).split(","))
     exports = ",".join(f"{pair[-1].strip()}:{pair[0].strip()}" for pair in pairs)
     return f"(()=>{{{text[: found.start()]}\nreturn{{{exports}}}}})()"
-
-
-@cache
-def _template() -> Any:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader([_HERE / "templates", _HERE.parent / "report" / "templates"]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template("view.html")

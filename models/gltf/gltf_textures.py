@@ -12,7 +12,8 @@ from typing import Any
 from .gltf_accessors import Gltf, MissingBufferError
 from .ktx2 import is_ktx2, ktx2_bytes
 
-_TEXEL_BYTES = 4.0 * 4.0 / 3.0
+TEXEL_BYTES = 4.0 * 4.0 / 3.0
+"""Of RGBA8 with its mip chain."""
 
 
 class Textures:
@@ -63,4 +64,4 @@ def _size(data: bytes) -> float | None:
             image: Any = Image.open(io.BytesIO(data))
     except Exception:  # noqa: BLE001 - each of its parsers fails in its own way
         return None
-    return float(image.width * image.height) * _TEXEL_BYTES
+    return float(image.width * image.height) * TEXEL_BYTES

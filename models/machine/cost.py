@@ -13,13 +13,11 @@ from numpy.typing import ArrayLike
 
 from ...base.arrays import FloatArray, derive, frozen_array, require_finite
 from ...base.errors import InputError, require_whole
-from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS
+from ...base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, POLICY_WORK
 from .knee import Knee
 
 DISC_SHARE = 0.4
 """Share of a bounding sphere's disc that a mesh covers; hulls of eight cover 0.32 to 0.46."""
-
-_POLICY_WORK = ("objects_visited", "comparisons", "iterations")
 
 
 def _vector(names: tuple[str, ...], given: Mapping[str, float], label: str) -> FloatArray:
@@ -128,7 +126,7 @@ class CpuCostModel:
         array = _checked(self.linear_ms, CPU_PREDICTORS, "cpu linear_ms")
         _require_base(self.base_ms, "cpu base")
         charged = [(n, ms) for n, ms in zip(CPU_PREDICTORS, array.tolist(), strict=True) if ms]
-        work = [term for term in charged if term[0] in _POLICY_WORK]
+        work = [term for term in charged if term[0] in POLICY_WORK]
         derive(self, linear_ms=array, _charged=charged, _charged_work=work)
 
     @classmethod

@@ -11,6 +11,7 @@ from ...base.errors import InputError
 from ...base.foreign_text import describe_error
 from ...base.reader_guard import guarded
 from ..gltf.gltf_file import read_gltf
+from ..gltf.gltf_textures import TEXEL_BYTES
 from .surface_mesh import MeshPart, SurfaceMesh, clean_surface
 
 _MAX_FILE_BYTES = 1 << 30
@@ -26,7 +27,6 @@ _TEXTURES = (
 )
 _SILENT = logging.NullHandler()
 _GLTF = (".glb", ".gltf")
-_TEXEL_BYTES = 4 * 4 / 3  # RGBA8 with its mip chain
 
 
 def load_mesh(path: Path) -> SurfaceMesh:
@@ -112,7 +112,7 @@ def _part(shape: Any, transform: FloatArray, material: int, images: dict[int, fl
     candidates = [getattr(surface, name, None) for name in _TEXTURES]
     textures = [image for image in candidates if image is not None]
     for image in textures:
-        images[id(image)] = image.width * image.height * _TEXEL_BYTES
+        images[id(image)] = image.width * image.height * TEXEL_BYTES
     return MeshPart(
         vertices,
         faces,

@@ -94,3 +94,11 @@ class Tree:
         while (going := (above >= 0) & ~member[above]).any():
             above[going] = parent[above[going]]
         return above
+
+
+def relative_depth(scene: Scene) -> FloatArray:
+    """Return how deep nodes are in the tree, (N,): 0 for roots to 1; of a flat scene all are 0."""
+    if scene.flat:
+        return np.zeros(len(scene))
+    depth = Tree(scene).depth
+    return depth / max(1, int(depth.max()))

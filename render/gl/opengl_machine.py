@@ -14,6 +14,7 @@ from ...models.machine.cost_terms.catalog import VIEW_TERMS
 from ...models.machine.picture_units import view_units
 from ...models.scene.tree import Tree
 from ...sim.simulated_machine import FrameTimes, Submitted
+from ...traces.logs.render_log import REFERENCES
 from .context import Device
 from .draw_list import Counts, Frame, Picture
 from .measures.reference_draw import ReferenceDraw
@@ -32,7 +33,6 @@ query tells: they are what the cost model expects of what was drawn.
 """
 
 _TIMED = ("cpu_ms", "gpu_ms", "frame_ms", "frame_ms_low", "frame_ms_high")
-_REFERENCE = ("reference_before_ms", "reference_after_ms")
 
 
 class GlMachine:
@@ -69,7 +69,7 @@ class GlMachine:
             raise InputError(f"--repeats: expected 1 to 99 drawings of a frame, got {repeats}")
         self._renderer, self._device = renderer, device
         self._repeats, self._warmup, self._reference = repeats, warmup, reference
-        about = _REFERENCE if reference is not None else ()
+        about = REFERENCES if reference is not None else ()
         self._names = (*COUNTED, *renderer.statistics, *_TIMED, *about)
         self._rows = array("d")
         self.doubt: str | None = None
@@ -80,8 +80,6 @@ class GlMachine:
 
     def run(self, frame: Submitted) -> FrameTimes:
         """Draw the frame; return what it took."""
-        if frame.view.state.rig is not None:
-            raise InputError("opengl: expected one camera, got several; leave out eyes or players")
         picture = picture_of(frame)
         return FrameTimes(0.0, 0.0, self.measure(picture, expected_units(frame, picture)))
 
@@ -144,7 +142,11 @@ def picture_of(frame: Submitted, *, full: bool = False) -> Picture:
     """Return what a submitted frame shows: of continuous nodes, the nearest knot.
 
     With `full` that is all candidates at their finest, at the full size of the picture.
+
+    Raises `InputError` if several cameras look: one would be drawn and called the frame.
     """
+    if frame.view.state.rig is not None:
+        raise InputError("opengl: expected one camera, got several; leave out eyes or players")
     view, drawn, scene = frame.view, frame.drawn, frame.view.scene
     if full:
         seen, scale = view, 1.0

@@ -53,16 +53,14 @@ class Recording:
     doubt: str | None
 
 
-def recorded_hardware(
-    hardware: HardwareProfile, size_px: tuple[int, int], frames_in_flight: int = 1
-) -> HardwareProfile:
-    """Return the profile as frames are recorded: so many in flight, no screen, this size.
+def recorded_hardware(hardware: HardwareProfile, size_px: tuple[int, int]) -> HardwareProfile:
+    """Return the profile as frames are recorded: one in flight, no screen, this size.
 
     Raises `InputError` if the size is not positive.
     """
     width, height = size_px
     screen = replace(hardware.display, mode="immediate", width_px=width, height_px=height)
-    return replace(hardware, display=screen, frames_in_flight=frames_in_flight)
+    return replace(hardware, display=screen, frames_in_flight=1)
 
 
 def check_policy(policy: Policy, scene: Scene, name: str) -> None:

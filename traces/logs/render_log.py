@@ -22,10 +22,12 @@ TIMES: tuple[TimeName, ...] = ("frame_ms", "gpu_ms", "cpu_ms")
 COUNTS = tuple(dict.fromkeys((*GPU_PREDICTORS, *CPU_PREDICTORS)))
 """What the columns of a log may count, each name once."""
 
+REFERENCES = ("reference_before_ms", "reference_after_ms")
+"""The time of one fixed draw before and after a frame's."""
+
 RECORDED = (
     "trace_s",
-    "reference_before_ms",
-    "reference_after_ms",
+    *REFERENCES,
     "lag_ms",
     "drawn_at",
     "pass",

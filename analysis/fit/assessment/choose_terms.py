@@ -17,23 +17,23 @@ from numpy.typing import NDArray
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ....base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, LEVEL_PREDICTORS
+from ....base.predictors import CPU_PREDICTORS, GPU_PREDICTORS, POLICY_WORK
 from ....traces.logs.render_log import RenderLog, TimeName
+from ..design import additive_column
 from ..fit_frames import Sample
+from ..sampling.between_logs import ENOUGH_SCENES
 from ..sampling.robust_fit import robust_nnls
 from ..terms import Term
 from .heldout import block_numbers
+from .prediction import seen_rows
 
 _DOF = 4.0
-_POLICYS = ("objects_visited", "comparisons", "iterations")
 _ALL_SETS = 6  # predictors, up to which every set is tried; of more, sets of at most three
-_MOST_ROWS = 20_000
 _HELD = 0.95  # share of frames in which a predictor must have a value
 _VARIES = 1e-9
 _ENOUGH_TO_BEND = 200  # frames, below which knees and rooflines are not looked for
 _CLEARLY = 3.0  # standard errors
 _LEAST_GAIN = 1e-3  # nats of a frame; a bend that costs nothing gains what rounding leaves
-_ENOUGH_SCENES = 3
 _KNEES = ("triangles", "rasterized_triangles", "vertices")
 _GEOMETRY = ("triangles", "vertices")
 _QUANTILES = (0.2, 0.35, 0.5, 0.65, 0.8)
@@ -63,7 +63,7 @@ def candidate_predictors(logs: list[RenderLog], target: TimeName) -> tuple[str, 
     wanted = CPU_PREDICTORS if target == "cpu_ms" else GPU_PREDICTORS
     if target == "cpu_ms" and any("policy" in dict(log.header) for log in logs):
         # A recording's cpu_ms is of drawing; what the policy did is timed apart.
-        wanted = tuple(name for name in wanted if name not in _POLICYS)
+        wanted = tuple(name for name in wanted if name not in POLICY_WORK)
     held = [name for name in wanted if all(name in log.predictors for log in logs)]
     if not held:
         raise InputError(
@@ -110,8 +110,7 @@ def choose_terms(
             f"expected at least {fewest} frames to choose among {', '.join(sample.names)}, got "
             f"{len(sample)}; log for longer, or name the --terms"
         )
-    step = max(1, -(-len(sample) // _MOST_ROWS))
-    sample = sample.rows(np.arange(0, len(sample), step))
+    sample = seen_rows(sample)
     groups, folds = _groups(sample)
     names = sample.names
     largest = len(names) if len(names) <= _ALL_SETS else 3
@@ -148,7 +147,7 @@ def _groups(sample: Sample) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """
     scenes = [sample.origin(log).scene for log in range(int(sample.series.max()) + 1)]
     known = list(dict.fromkeys(scenes))
-    if len(known) >= _ENOUGH_SCENES:
+    if len(known) >= ENOUGH_SCENES:
         of_log = np.array([known.index(scene) for scene in scenes])
         fold = of_log[sample.series]
         return fold, fold
@@ -168,7 +167,7 @@ def _bent(sample: Sample, terms: tuple[Term, ...]) -> list[tuple[Term, ...]]:
     if "shaded_samples" in sample.names:
         others = tuple(term for term in terms if term.predictors[0] != "shaded_samples")
         for term in others:
-            if term.predictors[0] in LEVEL_PREDICTORS and term.predictors[0] in _GEOMETRY:
+            if term.predictors[0] in _GEOMETRY:
                 rest = tuple(other for other in others if other is not term)
                 roof = Term("roofline", (term.predictors[0], "shaded_samples"))
                 found.append((*rest, roof))
@@ -210,7 +209,7 @@ def _predicted(
 ) -> tuple[FloatArray, float]:
     """Return the times of all frames, (n,), by a fit to some, and the scale of their noise."""
     roof = next((term for term in terms if term.kind == "roofline"), None)
-    plain = [_column(sample, term) for term in terms if term is not roof]
+    plain = [additive_column(sample, term) for term in terms if term is not roof]
     if roof is None:
         columns = np.column_stack(plain)
         fit = robust_nnls(columns[fitted], sample.time_ms[fitted], dof=_DOF)
@@ -229,11 +228,6 @@ def _predicted(
     rest = fit.predict(np.column_stack([*plain, 0.0 * geometry, 0.0 * pixels]))
     sides = fit.slopes_ms[-2] * geometry, fit.slopes_ms[-1] * pixels
     return rest + np.maximum(*sides), fit.scale
-
-
-def _column(sample: Sample, term: Term) -> FloatArray:
-    column = sample.column(term.predictors[0])
-    return np.maximum(column - term.at, 0.0) if term.kind == "knee" else column
 
 
 def _behind(difference: FloatArray, blocks: NDArray[np.int64]) -> tuple[float, float]:

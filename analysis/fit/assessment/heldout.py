@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ....base.arrays import BoolArray, FloatArray
 from ....base.errors import InputError
-from ..design import design_of
+from ..design import additive_column, design_of
 from ..estimate import Estimate, Model, estimate
 from ..fit_frames import Sample
 from ..sampling.sampler import SamplerOptions
@@ -193,11 +193,7 @@ def _by_folds(
 
 def varying(sample: Sample, terms: Sequence[Term]) -> tuple[Term, ...]:
     """Return the terms that are not the same in all frames: a knee may be beyond all of a part."""
-    design = [
-        (term, np.maximum(sample.column(term.predictors[0]) - term.at, 0.0))
-        for term in terms
-        if term.kind == "knee"
-    ]
+    design = [(term, additive_column(sample, term)) for term in terms if term.kind == "knee"]
     still = {term for term, column in design if np.ptp(column) <= 1e-9 * column.mean()}
     return tuple(term for term in terms if term not in still)
 

@@ -23,6 +23,9 @@ OCCASION_SCALE, SCENE_SCALE = 0.09, 0.25
 SCENE_TERMS = ("base", "vertices", "triangles", "triangles_in_view", "rasterized_triangles")
 """Terms whose cost differs from scene to scene: of the others too little is known."""
 
+ENOUGH_SCENES = 3
+"""Scenes from which their spread is an estimate and not the prior's."""
+
 _DOF = 4.0
 _LEAST, _MOST = 1e-3, 1.0
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....base.arrays import FloatArray, IntArray
 from ....models.scene.scene import Scene
-from ....models.scene.tree import Tree
+from ....models.scene.tree import relative_depth
 from ....sim.frame_log import FrameLog
 from ....sim.level_history import HIDDEN, LevelHistory
 from ..blocks import Choice, Paragraph
@@ -49,8 +49,7 @@ class _Shades:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self._coarsest = scene.level_count.astype(np.int64) - 1
-        depth = np.zeros(len(scene)) if scene.flat else Tree(scene).depth
-        self._by_depth = depth / max(1, int(depth.max()))
+        self._by_depth = relative_depth(scene)
 
     def of(self, node: int, level: IntArray) -> IntArray:
         """Return positions in `LEVEL_STYLES`, coarse to fine.

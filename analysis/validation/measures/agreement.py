@@ -90,6 +90,6 @@ def share_inside(policies: Iterable[PolicyValidation]) -> Inside:
                 inside, of = by_metric.get(name, (0, 0))
                 by_metric[name] = inside + bool(item.inside), of + 1
     inside, of = (
-        (sum(column) for column in zip(*by_metric.values(), strict=True)) if (by_metric) else (0, 0)
+        (sum(column) for column in zip(*by_metric.values(), strict=True)) if by_metric else (0, 0)
     )
     return Inside(inside, of, by_metric)

@@ -1,6 +1,7 @@
 """Frames in flight: on a device by script against the pipeline by hand, and on a real one."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import count, pairwise
 from typing import Any, ClassVar
 
@@ -122,7 +123,7 @@ def fly(
 
     def recorded(world: Any, depth: int, policy: Policy | None = None) -> Recording:
         machine = FlightMachine(world, world, world.clock)
-        hardware = recorded_hardware(make_hardware(), (100, 60), depth)
+        hardware = replace(recorded_hardware(make_hardware(), (100, 60)), frames_in_flight=depth)
         options = ReplayOptions(budget_ms=10.0, frames=FRAMES)
         scene = make_scene([(0.0, 0.0, -10.0)])
         return record_in_flight(
@@ -197,7 +198,7 @@ def test_the_pipeline_of_a_real_device(
     scene, geometry = plaza
     renderer = Renderer(target, scene, geometry, instancing=True)
     machine = FlightMachine(renderer, Fences(target.load))
-    hardware = recorded_hardware(llvmpipe, (64, 36), depth)
+    hardware = replace(recorded_hardware(llvmpipe, (64, 36)), frames_in_flight=depth)
     options = ReplayOptions(budget_ms=4.0, frames=12)
     policy = parse_policy("feedback").make()
     found = record_in_flight(policy, scene, tour, hardware, options, machine, name="feedback")
