@@ -115,6 +115,8 @@ def run_child(seed: Seed, first: int, count: int, report: TextIO, *, scratch: Pa
             print(json.dumps({"begins": number}), file=report, flush=True)
             line = _read_files(seed, damaged(seed, number), here)
             print(json.dumps({"number": number, **line}), file=report, flush=True)
+            if line["peak"] > MOST_BYTES:
+                return  # where a kernel's peak cannot be set back, it would be told of the next too
 
 
 def _read_files(seed: Seed, files: dict[str, bytes], here: Path) -> Result:
@@ -188,8 +190,8 @@ def run_seed(seed: Seed, count: int, scratch: Path, first: int = 0) -> Iterator[
                         first = found["number"] + 1
                         yield {"family": seed.family, "name": seed.name, **found}
             _, status = os.waitpid(pid, 0)
-        if status == 0:
-            return
+        if status == 0 and at == first - 1:
+            continue
         if at < first:
             raise RuntimeError(f"{seed.name}: the child ended before it had read a file")
         wrong = [f"the process ended with {os.waitstatus_to_exitcode(status)}"]
