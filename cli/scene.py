@@ -94,7 +94,8 @@ def build(
 ) -> None:
     """Make levels of detail of meshes, place objects, and write one scene file.
 
-    Files called as levels, such as rock_LOD0.obj and rock_LOD1.obj, are one type with these levels.
+    Files called as levels, such as rock_LOD0.obj and rock_LOD1.obj, are one type with these levels,
+    and so is a glTF file whose nodes have levels.
     """
     import numpy as np
 

@@ -33,21 +33,26 @@ def load_mesh(path: Path) -> SurfaceMesh:
     """Read a mesh or a scene of meshes as one surface, in the file's own axes and units.
 
     Nodes are placed by their transforms; polygons become triangles; triangles of one material
-    form one part.  Skins, animations, lines and points are left out.
+    form one part.  Skins, animations, lines and points are left out; so are coarser levels.
 
     Raises `InputError` if the file is missing, of no known format, damaged, or holds no triangles.
     """
+    return load_levels(path)[0]
+
+
+def load_levels(path: Path) -> list[SurfaceMesh]:
+    """Read a mesh as `load_mesh` does with the levels that a glTF file has of it, finest first."""
     with guarded(path, "a mesh", "export it again"):
-        return _load(path)
+        if path.suffix.lower() in _GLTF:
+            from ..gltf.gltf_surface import load_gltf_levels
+
+            levels = load_gltf_levels(path)
+            if levels:
+                return levels
+        return [_load(path)]
 
 
 def _load(path: Path) -> SurfaceMesh:
-    if path.suffix.lower() in _GLTF:
-        from ..gltf.gltf_surface import load_ktx2_surface
-
-        surface = load_ktx2_surface(path)
-        if surface is not None:  # trimesh leaves these textures out, and says nothing
-            return surface
     scene = _parse(path)
     parts: list[MeshPart] = []
     images: dict[int, float] = {}

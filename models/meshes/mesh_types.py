@@ -1,7 +1,8 @@
 """Object types from mesh files."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from ...base.reader_guard import guarded
 from ..continuous.knots import KnotOptions, OrderedSurface, build_continuous
 from .authored_levels import MeshGroup
 from .mesh_error import Sampling
-from .mesh_file import load_mesh
+from .mesh_file import load_levels, load_mesh
 from .simplify import ChainOptions, build_chain
 from .surface_mesh import Stand, SurfaceMesh
 from .type_model import TypeModel, measure_levels
@@ -72,14 +73,15 @@ def read_types(
 ) -> Iterator[TypeModel]:
     """Yield a type with its measured levels for each group of mesh files, in order.
 
-    A group of several files has these as its levels, and they all stand as the finest does.
+    A group of several files has these as its levels, and a glTF file with levels has its own; they
+    all stand as the finest does.
 
     Raises `InputError` if a mesh is refused, with its path, or a level has not fewer triangles than
     the finer one.
 
     Parameters
     ----------
-    detail : a chain of discrete levels, or the knots of a continuous type, of single files
+    detail : a chain of discrete levels, or the knots of a continuous type, of what has no levels
     """
     for group in groups:
         with guarded(group.paths[0], _WHAT, _ADVICE):
@@ -90,25 +92,30 @@ def read_types(
 def _read_type(
     group: MeshGroup, units: MeshUnits, detail: ChainOptions | KnotOptions, sampling: Sampling
 ) -> TypeModel:
-    first, *coarser = group.paths
-    if coarser:
-        return _authored(group, units, sampling)
-    standing = read_surface(first, units)
+    if len(group.paths) > 1:
+        meshes = [(path, load_mesh(path)) for path in group.paths]
+    else:
+        meshes = [(group.paths[0], mesh) for mesh in load_levels(group.paths[0])]
+    stand = _stand(meshes[0][1], units)
+    if len(meshes) > 1:
+        return _authored(group.name, meshes, stand, sampling)
+    standing = meshes[0][1].at(stand)
     if isinstance(detail, ChainOptions):
         return build_chain(standing, detail, sampling)
     surface = OrderedSurface.of(standing, keep_texture=detail.keep_texture)
     return build_continuous(surface, detail, sampling)
 
 
-def _authored(group: MeshGroup, units: MeshUnits, sampling: Sampling) -> TypeModel:
-    meshes = [load_mesh(path) for path in group.paths]
-    stand = _stand(meshes[0], units)
-    levels = [replace(mesh.at(stand), name=group.name) for mesh in meshes]
-    for path, finer, coarser in zip(group.paths[1:], levels, levels[1:], strict=False):
+def _authored(
+    name: str, meshes: Sequence[tuple[Path, SurfaceMesh]], stand: Stand, sampling: Sampling
+) -> TypeModel:
+    """Return a type of levels from files, finest first."""
+    levels = [replace(mesh.at(stand), name=name) for _, mesh in meshes]
+    for number, (finer, coarser) in enumerate(pairwise(levels), 1):
         if len(coarser.faces) >= len(finer.faces):
             raise InputError(
-                f"expected fewer than the {len(finer.faces):,} triangles of the finer level, got "
-                f"{len(coarser.faces):,}; check the order of the levels",
-                path=path,
+                f"expected fewer than the {len(finer.faces):,} triangles of level {number - 1}, "
+                f"got {len(coarser.faces):,}; check the order of the levels",
+                path=meshes[number][0],
             )
     return measure_levels(levels, sampling)

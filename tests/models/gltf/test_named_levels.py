@@ -10,14 +10,18 @@ import trimesh
 
 from lodbench import InputError
 from lodbench.models.gltf.gltf_lod import read_gltf_scene
+from lodbench.models.meshes.authored_levels import group_levels
 from lodbench.models.meshes.mesh_error import Sampling
+from lodbench.models.meshes.mesh_file import load_mesh
+from lodbench.models.meshes.mesh_types import MeshUnits, read_types
+from lodbench.models.meshes.simplify import ChainOptions
 from lodbench.models.scene.scene import Scene
 
 FEW = Sampling(vertices=300, surface=300)
 
 
-def read(path: Path, nodes: list[dict[str, Any]], roots: list[int]) -> Scene:
-    """Write balls of 1,280, 320 and 80 triangles as meshes 0 to 2, with these nodes; read them."""
+def write(path: Path, nodes: list[dict[str, Any]], roots: list[int]) -> Path:
+    """Write balls of 1,280, 320 and 80 triangles as meshes 0 to 2, with these nodes."""
     data, meshes, accessors, views = b"", list[Any](), list[Any](), list[Any]()
     for subdivisions in (3, 2, 1):
         ball: Any = trimesh.creation.icosphere(subdivisions=subdivisions)
@@ -50,7 +54,12 @@ def read(path: Path, nodes: list[dict[str, Any]], roots: list[int]) -> Scene:
         "buffers": [{"byteLength": len(data), "uri": "balls.bin"}],
     }
     (path / "balls.gltf").write_text(json.dumps(document), encoding="utf-8")
-    return read_gltf_scene(path / "balls.gltf", FEW)[0]
+    return path / "balls.gltf"
+
+
+def read(path: Path, nodes: list[dict[str, Any]], roots: list[int]) -> Scene:
+    """Write a file as `write` does, and read it as a scene."""
+    return read_gltf_scene(write(path, nodes, roots), FEW)[0]
 
 
 def triangles(scene: Scene) -> list[float]:
@@ -130,3 +139,22 @@ def test_gaps_and_repeats_are_refused(tmp_path: Path, levels: tuple[int, int], s
     nodes = [{"mesh": i, "name": f"rock_LOD{level}"} for i, level in enumerate(levels)]
     with pytest.raises(InputError, match=rf"node rock: expected levels .* got {said}; rename"):
         read(tmp_path, nodes, [0, 1])
+
+
+def test_scene_build_takes_the_levels_of_nodes(tmp_path: Path) -> None:
+    """Two balls with three and two levels and a bare one: the type has three, never their sum.
+
+    Of level k each ball stands as its own level k, or as its coarsest: 1,280, 320 and 80 triangles
+    of one, 320 and 80 of the other, and 80 of the bare one in all levels.
+    """
+    names = ("a_LOD0", "a_LOD1", "a_LOD2", "b_LOD0", "b_LOD1", "bare")
+    nodes: list[dict[str, Any]] = [
+        {"mesh": mesh, "name": name, "translation": [x, 0.0, 0.0]}
+        for mesh, name, x in zip((0, 1, 2, 1, 2, 2), names, (0, 0, 0, 4, 4, 8), strict=True)
+    ]
+    path = write(tmp_path, nodes, list(range(6)))
+    groups = group_levels([path])
+    (model,) = read_types(groups, MeshUnits(unit_m=1.0), ChainOptions(), FEW)
+    assert [len(mesh.faces) for mesh in model.meshes] == [1680, 480, 240]
+    assert model.error_m[0] == 0.0 < model.error_m[1] < model.error_m[2] < 0.2
+    assert len(load_mesh(path).faces) == 1680
