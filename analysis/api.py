@@ -238,6 +238,7 @@ def check(
     faults: Faults | None = None,
     memory_bytes: float | None = None,
     eyes: EyesLike = None,
+    players: int = 1,
     place: str = "shrink",
     workers: int = 1,
     scheduler: str | None = None,
@@ -260,7 +261,8 @@ def check(
         Replays of each policy on each path.
     seconds
         The stretch of each path that is replayed, (start, end).
-    budget_ms, warmup_s, visible_px, eyes, workers, scheduler, policy_timeout_s, policy_memory_bytes
+    budget_ms, warmup_s, visible_px, eyes, players, workers, scheduler, policy_timeout_s,
+    policy_memory_bytes
         As `compare` has them.
     strict
         What is undecided fails.
@@ -292,6 +294,7 @@ def check(
         faults=faults,
         memory_bytes=memory_bytes,
         eyes=as_eyes(eyes),
+        players=players,
         place=place,
     )
     options = MeasureOptions(

@@ -88,6 +88,7 @@ def check(
     pacing: options.Pacing = None,
     latency_limit: options.LatencyLimit = None,
     fovy_deg: options.FovyDeg = None,
+    players: options.Players = 1,
     eyes: options.Eyes = None,
     eye_size: options.EyeSize = None,
     single_pass: options.SinglePass = False,
@@ -142,6 +143,7 @@ def check(
             faults=parse_faults(faults),
             memory_bytes=memory,
             eyes=make_eyes(eyes, eye_size, single_pass=single_pass),
+            players=players,
             place=place,
         )
         sampling = MeasureOptions(

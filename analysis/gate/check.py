@@ -46,6 +46,8 @@ class CheckPlan:
         None for what the paths state, or 60.
     warmup_s : float
         Seconds at the start of it that do not count.
+    players : int
+        Who share the screen: so many paths after each other are one.
     place : str
         How the trace of a file is put into a scene.
     """
@@ -66,6 +68,7 @@ class CheckPlan:
     faults: Faults | None = None
     memory_bytes: float | None = None
     eyes: Eyes | None = None
+    players: int = 1
     place: str = "shrink"
 
 
@@ -104,6 +107,7 @@ def measure_plan(
             paths=plan.paths,
             seconds=plan.seconds,
             seed=plan.seed,
+            players=plan.players,
         )
         share = progress and _share(progress, at, len(scenes))
         told = replace(options, fovy_deg=field_of_view(paths, plan.fovy_deg))

@@ -60,7 +60,7 @@ class Study:
         By policy, as its label is, the values of its parameters: these are axes too.
     scenes, traces, hardware
         Bundled names, files, or what was loaded, or a mapping of names to these; a path is placed
-        in each scene.
+        in each scene, and a tuple of paths in a mapping is of players who share a screen.
     budget_ms
         Time that a frame may take; None for one refresh of the display.
     seeds
@@ -97,7 +97,9 @@ class Study:
         *,
         parameters: Parameters | None = None,
         scenes: SceneLike | Sequence[SceneLike] | Mapping[str, SceneLike] = "plaza",
-        traces: TraceLike | Sequence[TraceLike] | Mapping[str, TraceLike] = "tour",
+        traces: TraceLike
+        | Sequence[TraceLike]
+        | Mapping[str, TraceLike | tuple[TraceLike, ...]] = "tour",
         hardware: HardwareLike
         | Sequence[HardwareLike]
         | Mapping[str, HardwareLike] = "desktop-assumed",

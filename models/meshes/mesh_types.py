@@ -92,10 +92,9 @@ def read_types(
 def _read_type(
     group: MeshGroup, units: MeshUnits, detail: ChainOptions | KnotOptions, sampling: Sampling
 ) -> TypeModel:
-    if len(group.paths) > 1:
-        meshes = [(path, load_mesh(path)) for path in group.paths]
-    else:
-        meshes = [(group.paths[0], mesh) for mesh in load_levels(group.paths[0])]
+    first, *coarser = group.paths
+    meshes = [(first, mesh) for mesh in (load_levels(first) if not coarser else [load_mesh(first)])]
+    meshes += [(path, load_mesh(path)) for path in coarser]
     stand = _stand(meshes[0][1], units)
     if len(meshes) > 1:
         return _authored(group.name, meshes, stand, sampling)

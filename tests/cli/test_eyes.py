@@ -1,6 +1,7 @@
 """Two eyes and several players by options, by names and by keys of a study."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,12 +10,15 @@ import numpy as np
 import pytest
 
 import lodbench
+from lodbench.analysis.gate.check import CheckPlan, measure_plan
+from lodbench.analysis.gate.measurements import MeasureOptions
 from lodbench.analysis.study.sweep.study_file import read_study
 from lodbench.base.errors import InputError
 from lodbench.cli.main import run
 from lodbench.cli.shared.eyes import make_eyes
 from lodbench.models.scene.rig import Eyes
 from lodbench.render.gl.opengl_machine import GlMachine
+from lodbench.traces.cameras.shared_screen import split
 
 QUICK = [
     *("compare", "--scene", "plaza", "--as-shipped", "--seeds", "1", "--draws", "0"),
@@ -92,3 +96,34 @@ def test_a_machine_that_draws_refuses_several_cameras() -> None:
     machine: Any = object()
     with pytest.raises(InputError, match="opengl: expected one camera, got several"):
         GlMachine.run(machine, frame)
+
+
+def test_a_study_has_players_who_share_a_screen(tmp_path: Path) -> None:
+    """A list among the traces is one screen, beside one of its players alone."""
+    path = tmp_path / "players.toml"
+    head = "[policies]\nfull = {}\n"
+    path.write_text(f'traces = ["walk", ["walk", "drive"]]\n{head}', encoding="utf-8")
+    study = read_study(path)
+    assert study.axes["trace"] == ("walk", "walk + drive")
+    shared, alone = (study.inputs[run.trace] for run in reversed(list(study.runs())))
+    assert shared.name == "walk-0 + drive-0"
+    assert [len(split(path)) for path in (shared, alone)] == [2, 1]
+    path.write_text(f'traces = [["walk", "drive"], ["walk", "drive"]]\n{head}', encoding="utf-8")
+    with pytest.raises(InputError, match=r"walk \+ drive: expected each once"):
+        read_study(path)
+
+
+def test_a_gate_has_players_who_share_a_screen() -> None:
+    """Two paths are one replay, which costs more than either of them alone, and is hashed anew."""
+    plan = CheckPlan(
+        policies="full", scenes=("plaza",), traces=("walk",), paths=2, seconds=(0.0, 0.5)
+    )
+    plan = replace(plan, warmup_s=0.1, budget_ms=8.0)
+    sampling = MeasureOptions(seeds=1)
+    (_, [alone]), (_, [shared]) = (
+        measure_plan(replace(plan, players=players), sampling) for players in (1, 2)
+    )
+    assert shared.paths == (" + ".join(alone.paths),)
+    assert not set(shared.hashes) & set(alone.hashes)
+    triangles = alone.values("triangles_mean")
+    assert shared.values("triangles_mean")[0, 0] > 1.05 * triangles.max()

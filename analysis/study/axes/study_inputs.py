@@ -3,11 +3,12 @@
 from collections.abc import Iterable
 from functools import cache
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ....base.content_hash import content_hash
 from ....traces.cameras.camera_trace import CameraTrace
 from ....traces.cameras.read_trace import read_trace
+from ....traces.cameras.shared_screen import together
 from ..inputs import Seconds, adjust_machine, as_hardware, as_scene, load_trace_by
 from .grid import Axis
 
@@ -77,9 +78,10 @@ class StudyInputs:
         return known[(scene,)], known[scene, trace], known[("machine", *machine)]
 
     def _placed(self, scene: Any, trace: Any) -> CameraTrace:
-        inside = self.loaded[self._hashes[(scene,)]]
-        path = load_trace_by(self._read, self._traces[trace], inside, self._place)
-        return path.stretch(*self._seconds)
+        inside, given = self.loaded[self._hashes[(scene,)]], self._traces[trace]
+        players = cast("tuple[Any, ...]", given) if isinstance(given, tuple) else (given,)
+        paths = [load_trace_by(self._read, path, inside, self._place) for path in players]
+        return together([path.stretch(*self._seconds) for path in paths])
 
     def _add(self, key: Key, name: str, thing: Any) -> None:
         if key not in self._hashes:

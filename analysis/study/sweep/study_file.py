@@ -75,6 +75,8 @@ class _Reader:
                 return self._policies(value)
             if key == "exclude":
                 return self._exclusions(value)
+            if key == "traces":
+                return self._paths(value)
             if key in _NAMED:
                 return find_things(self._texts(value, key), self._folder)
             if key in _COUNTED and isinstance(value, int):
@@ -138,6 +140,18 @@ class _Reader:
             if not isinstance(item, str):
                 self._document.fail(where, f"expected names in quotes, got {item!r}")
         return items
+
+    def _paths(self, value: Any) -> dict[str, str | tuple[str, ...]]:
+        """Return traces by what results call them; a list among them is of players of a screen."""
+        found: dict[str, str | tuple[str, ...]] = {}
+        for item in cast("list[Any]", value) if isinstance(value, list) else [value]:
+            paths = find_things(self._texts(item, "traces"), self._folder)
+            shared = {" + ".join(paths): tuple(paths.values())}
+            for name, path in (shared if isinstance(item, list) else paths).items():
+                if name in found:
+                    raise InputError(f"{name}: expected each once, got it twice; name it once")
+                found[name] = path
+        return found
 
     def _policies(self, value: Any) -> tuple[dict[str, PolicySpec], dict[str, dict[str, Any]]]:
         """Return the policies by label, and the values of the parameters that vary."""
