@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ..policies.registry import PolicyLike, PolicyLikes, spec_of, specs_of
 from ..policies.registry import register_policy as _register_policy
-from ..sim.faults import Faults
 from ..sim.frame_log import FrameLog
+from ..sim.machine.faults import Faults
 from ..sim.replay import ReplayOptions
 from ..sim.replay import replay as _replay
 from .study.field_of_view import field_of_view

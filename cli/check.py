@@ -107,7 +107,7 @@ def check(
     from ..analysis.study.inputs import adjust_machine, parse_seconds
     from ..base.files.writable import require_file_writable
     from ..models.machine.profile_catalog import load_hardware
-    from ..sim.faults import parse_faults
+    from ..sim.machine.faults import parse_faults
 
     chosen = choose_limits(limits, baseline, updating=update_baseline)
     if update_baseline:

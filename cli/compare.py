@@ -146,7 +146,7 @@ def compare(
     from ..analysis.study.paths import load_paths
     from ..models.machine.profile_catalog import load_hardware
     from ..policies.registry import parse_policy
-    from ..sim.faults import parse_faults
+    from ..sim.machine.faults import parse_faults
     from ..sim.replay import ReplayOptions
 
     told = command_of(compare, locals(), _NO_MATTER)

@@ -27,9 +27,9 @@ from .accounting.switches import Drawn
 from .frame_log import CountRows
 from .level_history import LevelRecorder
 from .loader import Memory
+from .machine.simulated_machine import Machine, Submitted
 from .replay_options import ReplayOptions
 from .sight import Sight
-from .simulated_machine import Machine, Submitted
 
 _NS_PER_MS = 1e6
 

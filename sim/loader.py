@@ -16,7 +16,7 @@ from ..models.machine.hardware import HardwareProfile
 from ..models.scene.scene import Scene
 from ..policies.selection import Selection
 from ..policies.view import View
-from .events import EventQueue
+from .pipeline.events import EventQueue
 
 CHUNK_BYTES = 65_536
 """Bytes of one incremental read: a third of a millisecond at 200 MB/s."""

@@ -17,14 +17,14 @@ from ..policies.selection import Selection
 from ..policies.view import FrameState, View
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_recorder import FrameRecorder
-from .frame_timer import FrameTimer
 from .level_history import LevelRecorder
 from .loader import make_memory
-from .pipeline import Pipeline
+from .machine.frame_timer import FrameTimer
+from .machine.simulated_machine import Machine, SimulatedMachine
+from .pipeline.pipeline import Pipeline
 from .replay_options import ReplayOptions
 from .selection_check import SelectionCheck
 from .sight import Seen, Sight
-from .simulated_machine import Machine, SimulatedMachine
 
 _PACE_FRAMES = 10_000
 _LEAST_FRAME_NS = 1_000  # a million frames a second: no machine, but a profile without a base cost

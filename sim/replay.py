@@ -10,10 +10,10 @@ from ..policies.protocol import Policy
 from ..traces.cameras.camera_trace import CameraTrace
 from .frame_log import TIMES, FrameLog, LogHeader
 from .level_history import LevelRecorder
-from .pipeline import FrameSource, Pipeline
+from .machine.simulated_machine import Machine
+from .pipeline.pipeline import FrameSource, Pipeline
 from .policy_frames import PolicyFrames
 from .replay_options import ReplayOptions
-from .simulated_machine import Machine
 
 
 def replay(

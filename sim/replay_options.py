@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from ..base.errors import InputError, require_real, require_whole
 from ..models.scene.rig import Eyes
-from .faults import Faults
+from .machine.faults import Faults
 
 MAX_FRAMES = 10_000_000
 """Frames of a replay: 46 hours at 60 Hz."""

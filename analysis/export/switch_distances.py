@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ...models.scene.scene import Scene
-from ...policies.shared.distance_range import distance_range
+from ...policies.shared.levels.distance_range import distance_range
 from ...policies.thresholds.static_distance import StaticDistance
 from ...policies.thresholds.static_screen import StaticScreen
 

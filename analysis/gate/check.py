@@ -7,7 +7,7 @@ from pathlib import Path
 from ...base.errors import InputError
 from ...models.scene.rig import Eyes
 from ...policies.registry import PolicyLikes, specs_of
-from ...sim.faults import Faults
+from ...sim.machine.faults import Faults
 from ...sim.replay import ReplayOptions
 from ..study.field_of_view import field_of_view
 from ..study.inputs import (

@@ -10,7 +10,7 @@ from ...base.errors import InputError, require_real
 from ...base.quantities import count_text
 from ...policies.policy_spec import PolicySpec
 from ...policies.registry import PolicyLikes, default_policies, specs_of
-from ...sim.faults import Faults
+from ...sim.machine.faults import Faults
 from ...traces.cameras.camera_trace import CameraTrace
 from ..metrics.measured_frames import require_window
 from .axes.blocks import Block, Case

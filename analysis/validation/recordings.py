@@ -25,8 +25,8 @@ from ...render.gl.renderer import Renderer
 from ...render.gl.shuffled_programme import record_programme
 from ...render.gl.vertex_order import vertex_order
 from ...sim.frame_log import FrameLog
+from ...sim.machine.simulated_machine import FrameTimes, Machine, Submitted
 from ...sim.replay import ReplayOptions
-from ...sim.simulated_machine import FrameTimes, Machine, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
 from ..study.runs import Progress
 from .record_options import CLOCKS, RecordOptions

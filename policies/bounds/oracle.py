@@ -11,8 +11,8 @@ from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
 from ..protocol import Capabilities, Claims, Truth
 from ..selection import Selection
-from ..shared.choices import LevelChoices, Offer, importance
-from ..shared.level_hulls import make_level_hulls
+from ..shared.levels.choices import LevelChoices, Offer, importance
+from ..shared.levels.level_hulls import make_level_hulls
 from ..shared.ranges import Count, check_parameters
 from ..solvers.knapsack import affordable, hull_increments, take_increments
 from ..view import View

@@ -10,11 +10,11 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import make_choices, require_costs
 from ..shared.knobs import AIM
-from ..shared.level_hulls import LevelHulls, make_level_hulls
+from ..shared.levels.choices import make_choices, require_costs
+from ..shared.levels.level_hulls import LevelHulls, make_level_hulls
 from ..shared.ranges import Aim, BelowOne, Count, NotNegative, Positive, UpToOne, check_parameters
-from ..shared.v_time import VTime
+from ..shared.times.v_time import VTime
 from ..solvers.knapsack import affordable, best_single, hull_increments, take_increments
 from ..solvers.value_greedy import greedy_by_value, improve_incrementally
 from ..view import View

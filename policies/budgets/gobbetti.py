@@ -10,13 +10,13 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.held_resolutions import HeldResolutions
 from ..shared.kept import Kept
 from ..shared.knobs import AIM
 from ..shared.ranges import Aim, BelowOne, Interval, PositiveInt, UpToOne, check_parameters
-from ..shared.resolution_problem import ResolutionProblem
-from ..shared.steady_costs import make_resolution_costs
-from ..shared.v_time import VTime
+from ..shared.resolutions.held_resolutions import HeldResolutions
+from ..shared.resolutions.resolution_problem import ResolutionProblem
+from ..shared.resolutions.steady_costs import make_resolution_costs
+from ..shared.times.v_time import VTime
 from ..solvers.active_set import ActiveSet
 from ..solvers.allocation import Allocation, solve
 from ..view import View

@@ -15,7 +15,7 @@ from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
 from ..shared.knobs import AIM
 from ..shared.ranges import Aim, PositiveInt, check_parameters
-from ..shared.steady_costs import make_resolution_costs
+from ..shared.resolutions.steady_costs import make_resolution_costs
 from ..solvers.convex_program import ConvexProgram, Point
 from ..view import View
 

@@ -15,10 +15,11 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
-from ..shared.distance_range import distance_range
 from ..shared.kept import Kept
 from ..shared.knobs import TARGET
-from ..shared.level_pools import SharedLevels
+from ..shared.levels.distance_range import distance_range
+from ..shared.levels.level_pools import SharedLevels
+from ..shared.levels.visit_order import in_order
 from ..shared.ranges import (
     AtLeastOne,
     NotNegative,
@@ -28,8 +29,7 @@ from ..shared.ranges import (
     UpToOne,
     check_parameters,
 )
-from ..shared.reports import Reports
-from ..shared.visit_order import in_order
+from ..shared.times.reports import Reports
 from ..view import View
 
 

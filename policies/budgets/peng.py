@@ -11,9 +11,9 @@ from ..selection import Selection, Work
 from ..shared.kept import Kept
 from ..shared.knobs import AIM
 from ..shared.ranges import Aim, Count, Interval, NotNegative, check_parameters
-from ..shared.resolution_problem import ResolutionProblem
-from ..shared.steady_costs import make_resolution_costs
-from ..shared.vertex_shares import VertexShares
+from ..shared.resolutions.resolution_problem import ResolutionProblem
+from ..shared.resolutions.steady_costs import make_resolution_costs
+from ..shared.resolutions.vertex_shares import VertexShares
 from ..solvers.allocation import solve
 from ..view import View
 from .wimmer import clamped_shares

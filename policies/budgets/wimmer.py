@@ -14,8 +14,8 @@ from ..selection import Selection, Work
 from ..shared.kept import Kept
 from ..shared.knobs import AIM
 from ..shared.ranges import Aim, Interval, check_parameters
-from ..shared.resolution_problem import ResolutionProblem
-from ..shared.steady_costs import make_resolution_costs
+from ..shared.resolutions.resolution_problem import ResolutionProblem
+from ..shared.resolutions.steady_costs import make_resolution_costs
 from ..solvers.allocation import Shares, solve
 from ..view import View
 

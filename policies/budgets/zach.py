@@ -11,15 +11,15 @@ from ...models.scene.tree import Tree
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import require_costs
 from ..shared.knobs import AIM
+from ..shared.levels.choices import require_costs
+from ..shared.mixed.zach_fractions import FractionPlan, Fractions
+from ..shared.mixed.zach_groups import Groups, Plan
+from ..shared.mixed.zach_levels import FlatLevels, make_flat_levels
+from ..shared.mixed.zach_patches import Patches, Refinements
 from ..shared.ranges import Aim, Count, NotNegative, check_parameters
-from ..shared.resolution_cost import ResolutionCosts
-from ..shared.steady_costs import make_resolution_costs
-from ..shared.zach_fractions import FractionPlan, Fractions
-from ..shared.zach_groups import Groups, Plan
-from ..shared.zach_levels import FlatLevels, make_flat_levels
-from ..shared.zach_patches import Patches, Refinements
+from ..shared.resolutions.resolution_cost import ResolutionCosts
+from ..shared.resolutions.steady_costs import make_resolution_costs
 from ..solvers.mixed_selection import raise_in_turn
 from ..solvers.printed_ascent import PrintedAscent
 from ..solvers.smooth_ascent import Ascent, GradientAscent, NewtonAscent

@@ -9,7 +9,7 @@ from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.knobs import TARGET
 from ..shared.ranges import AtLeastOne, Fraction, NotNegative, Positive, Share, check_parameters
-from ..shared.reports import Reports, steer
+from ..shared.times.reports import Reports, steer
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
 

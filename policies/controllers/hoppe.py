@@ -10,10 +10,10 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
-from ..shared.error_ladder import ErrorLadder
 from ..shared.knobs import TARGET
+from ..shared.levels.error_ladder import ErrorLadder
 from ..shared.ranges import NotNegative, Positive, Share, check_parameters
-from ..shared.reports import Reports
+from ..shared.times.reports import Reports
 from ..view import View
 
 _CLOSE = 1.01

@@ -9,7 +9,7 @@ from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection
 from ..shared.ranges import AtLeastOne, Fraction, Interval, NotNegative, Positive, check_parameters
-from ..shared.reports import Reports
+from ..shared.times.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
 

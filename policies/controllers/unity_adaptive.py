@@ -20,7 +20,7 @@ from ..shared.ranges import (
     Share,
     check_parameters,
 )
-from ..shared.reports import Reports
+from ..shared.times.reports import Reports
 from ..thresholds.static_screen import StaticScreen
 from ..view import View
 

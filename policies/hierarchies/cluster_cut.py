@@ -9,10 +9,10 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
-from ..shared.error_ladder import ErrorLadder
-from ..shared.hierarchy import Hierarchy
+from ..shared.levels.error_ladder import ErrorLadder
 from ..shared.ranges import AtLeastOne, Finite, NotNegative, Share, check_parameters
-from ..shared.reports import Reports, steer
+from ..shared.times.reports import Reports, steer
+from ..shared.trees.hierarchy import Hierarchy
 from ..view import View
 
 

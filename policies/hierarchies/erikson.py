@@ -9,11 +9,11 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities
 from ..selection import Selection, Work
-from ..shared.best_first import refine_best_first
-from ..shared.hierarchy import Hierarchy
 from ..shared.knobs import TARGET
 from ..shared.ranges import Share, check_parameters
-from ..shared.reports import Reports
+from ..shared.times.reports import Reports
+from ..shared.trees.best_first import refine_best_first
+from ..shared.trees.hierarchy import Hierarchy
 from ..view import View
 
 

@@ -12,9 +12,7 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.hierarchy import Hierarchy
 from ..shared.knobs import TARGET
-from ..shared.priority_list import PriorityList
 from ..shared.ranges import (
     AtLeastOne,
     BelowOne,
@@ -24,8 +22,10 @@ from ..shared.ranges import (
     UpToOne,
     check_parameters,
 )
-from ..shared.time_loops import TimeLoops
-from ..shared.time_slices import divide_time
+from ..shared.times.time_loops import TimeLoops
+from ..shared.times.time_slices import divide_time
+from ..shared.trees.hierarchy import Hierarchy
+from ..shared.trees.priority_list import PriorityList
 from ..view import View
 
 _TEXTURED = LEVEL_PREDICTORS.index("textured_triangles")

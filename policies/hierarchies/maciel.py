@@ -10,11 +10,11 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.best_first import refine_best_first
-from ..shared.choices import require_costs
-from ..shared.hierarchy import Hierarchy, NodeCosts, gains
 from ..shared.knobs import AIM
+from ..shared.levels.choices import require_costs
 from ..shared.ranges import Aim, Count, check_parameters
+from ..shared.trees.best_first import refine_best_first
+from ..shared.trees.hierarchy import Hierarchy, NodeCosts, gains
 from ..view import View
 
 

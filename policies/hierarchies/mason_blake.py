@@ -10,10 +10,10 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.choices import require_costs
-from ..shared.hierarchy import Hierarchy, NodeCosts, gains
 from ..shared.knobs import AIM
+from ..shared.levels.choices import require_costs
 from ..shared.ranges import Aim, check_parameters
+from ..shared.trees.hierarchy import Hierarchy, NodeCosts, gains
 from ..solvers.tree_hull import TreeIncrements, next_above, take_part, tree_increments
 from ..view import View
 

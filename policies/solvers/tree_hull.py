@@ -15,7 +15,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
-from ..shared.hierarchy import Hierarchy
+from ..shared.trees.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection
-from ..shared.error_ladder import ErrorLadder
+from ..shared.levels.error_ladder import ErrorLadder
 from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
 

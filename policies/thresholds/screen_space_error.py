@@ -10,9 +10,9 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.error_ladder import ErrorLadder
-from ..shared.hierarchy import Hierarchy
+from ..shared.levels.error_ladder import ErrorLadder
 from ..shared.ranges import Finite, Positive, check_parameters
+from ..shared.trees.hierarchy import Hierarchy
 from ..view import View
 
 _STEP = 1.02  # CesiumJS: factor of the memory-adjusted error in a frame

@@ -10,9 +10,9 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.discretise import detail_of_level, level_of_detail
-from ..shared.distance_range import distance_range
 from ..shared.kept import Kept
+from ..shared.levels.discretise import detail_of_level, level_of_detail
+from ..shared.levels.distance_range import distance_range
 from ..shared.ranges import BelowOne, Finite, check_parameters
 from ..view import View
 

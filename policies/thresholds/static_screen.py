@@ -13,7 +13,7 @@ from ...models.scene.scene import Scene
 from ..knob import Knob
 from ..protocol import Capabilities, Claims
 from ..selection import Selection, Work
-from ..shared.discretise import detail_of_level, level_of_detail
+from ..shared.levels.discretise import detail_of_level, level_of_detail
 from ..shared.ranges import Fraction, NotNegative, Positive, check_parameters
 from ..view import View
 

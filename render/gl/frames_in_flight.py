@@ -25,9 +25,9 @@ from ...models.scene.scene import Scene
 from ...policies.protocol import Policy
 from ...policies.shared.observer import watch
 from ...sim.frame_log import COUNTS, TIMES, FrameLog
-from ...sim.pipeline import FrameSource, Pipeline
+from ...sim.machine.simulated_machine import FrameTimes, Machine, Submitted
+from ...sim.pipeline.pipeline import FrameSource, Pipeline
 from ...sim.replay import ReplayOptions, replay
-from ...sim.simulated_machine import FrameTimes, Machine, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
 from .draw_list import Frame
 from .measures.fences import Fences

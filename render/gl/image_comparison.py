@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
-from ...sim.simulated_machine import FrameTimes, Submitted
+from ...sim.machine.simulated_machine import FrameTimes, Submitted
 from .draw_list import Picture
 from .opengl_machine import GlMachine, picture_of
 from .renderer import Renderer

@@ -13,7 +13,7 @@ from ...base.errors import InputError
 from ...models.machine.cost_terms.catalog import VIEW_TERMS
 from ...models.machine.picture_units import view_units
 from ...models.scene.tree import Tree
-from ...sim.simulated_machine import FrameTimes, Submitted
+from ...sim.machine.simulated_machine import FrameTimes, Submitted
 from ...traces.logs.render_log import REFERENCES
 from .context import Device
 from .draw_list import Counts, Frame, Picture

@@ -16,8 +16,8 @@ from ...models.scene.scene import Scene
 from ...policies.protocol import Policy, why_not_applicable
 from ...policies.shared.observer import watch
 from ...sim.frame_log import FrameLog
+from ...sim.machine.simulated_machine import Machine
 from ...sim.replay import ReplayOptions, replay
-from ...sim.simulated_machine import Machine
 from ...traces.cameras.camera_trace import CameraTrace
 from .context import Device
 from .opengl_machine import GlMachine

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ...models.machine.hardware import HardwareProfile
 from ...models.scene.scene import Scene
 from ...sim.frame_log import FrameLog
+from ...sim.machine.simulated_machine import FrameTimes, Submitted
 from ...sim.replay import ReplayOptions, replay
-from ...sim.simulated_machine import FrameTimes, Submitted
 from ...traces.cameras.camera_trace import CameraTrace
 from .calibration import Calibration
 from .opengl_machine import GlMachine, expected_units, picture_of

@@ -18,8 +18,8 @@ from ...models.machine.profile_catalog import load_hardware
 from ...models.scene.extent import scene_extent
 from ...models.scene.scene import Scene
 from ...models.scene.scene_catalog import open_scene
+from ...sim.machine.simulated_machine import FrameTimes, Submitted
 from ...sim.replay import ReplayOptions, replay
-from ...sim.simulated_machine import FrameTimes, Submitted
 from ...traces.cameras.generators.tour import tour
 from ..gl.calibration import Calibration
 from ..gl.context import open_target

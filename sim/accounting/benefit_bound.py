@@ -6,8 +6,8 @@ import numpy as np
 
 from ...models.machine.frame_cost import FrameCost
 from ...models.scene.scene import Scene
-from ...policies.shared.choices import LevelChoices, importance
-from ...policies.shared.level_hulls import make_level_hulls
+from ...policies.shared.levels.choices import LevelChoices, importance
+from ...policies.shared.levels.level_hulls import make_level_hulls
 from ...policies.solvers.knapsack import hull_increments, relaxed_bound
 from ...policies.view import View
 

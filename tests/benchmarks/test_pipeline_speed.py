@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lodbench.models.machine.hardware import Display
-from lodbench.sim.pipeline import Pipeline
+from lodbench.sim.pipeline.pipeline import Pipeline
 
 simpy: Any = pytest.importorskip("simpy", reason="simpy is only in the dependency group `bench`")
 

@@ -16,7 +16,7 @@ from lodbench.models.scene.camera import Camera
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.budgets.zach import Zach
 from lodbench.policies.selection import Selection
-from lodbench.policies.shared.zach_groups import Plan
+from lodbench.policies.shared.mixed.zach_groups import Plan
 from lodbench.policies.view import View
 
 Make = Callable[..., Any]

@@ -12,7 +12,7 @@ from lodbench.models.machine.hardware import Display
 from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.registry import parse_policy
-from lodbench.sim.pipeline import Pipeline
+from lodbench.sim.pipeline.pipeline import Pipeline
 from lodbench.sim.replay import ReplayOptions, replay
 
 PAGE = (Path(__file__).parents[2] / "docs" / "hardware.md").read_text(encoding="utf-8")

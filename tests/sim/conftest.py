@@ -12,7 +12,7 @@ from lodbench.policies.protocol import Capabilities, Policy
 from lodbench.policies.selection import Selection
 from lodbench.policies.view import View
 from lodbench.sim.frame_log import COUNTS, TIMES, FrameLog, LogHeader
-from lodbench.sim.pipeline import Pipeline
+from lodbench.sim.pipeline.pipeline import Pipeline
 from lodbench.sim.replay import ReplayOptions, replay
 from lodbench.traces.cameras.camera_trace import CameraTrace
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.base.errors import InputError
-from lodbench.sim.events import EventQueue
 from lodbench.sim.loader import Loader
+from lodbench.sim.pipeline.events import EventQueue
 
 _CHUNK = 100
 _BYTES_PER_S = 1e8  # 10 ns a byte, 1,000 ns a chunk

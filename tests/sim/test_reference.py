@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lodbench.models.machine.hardware import Display, DisplayMode, Pacing
-from lodbench.sim.pipeline import Pipeline
-from lodbench.sim.screens import DROPPED_NS
+from lodbench.sim.pipeline.pipeline import Pipeline
+from lodbench.sim.pipeline.screens import DROPPED_NS
 
 MS = 1_000_000
 RunFrames = Callable[..., Pipeline]

@@ -14,8 +14,8 @@ from ....policies.protocol import Truth
 from ....policies.selection import Selection
 from ....policies.view import View
 from ....sim.frame_log import FrameLog
+from ....sim.machine.simulated_machine import FrameTimes, Submitted
 from ....sim.replay import ReplayOptions, replay
-from ....sim.simulated_machine import FrameTimes, Submitted
 from ...study.engine.task import Beat
 from ..trial import Numbers
 from .benefit import PaperBenefit

@@ -10,7 +10,7 @@ import numpy as np
 from ....base.errors import InputError, require_whole
 from ....models.machine.hardware import HardwareProfile
 from ....models.scene.rig import Eyes
-from ....sim.faults import Faults
+from ....sim.machine.faults import Faults
 from ....sim.replay import ReplayOptions
 from ..runs import choose_draws
 from .grid import Axis, Cell, Exclusions

@@ -14,7 +14,7 @@ from ....base.files.strict_toml import TomlDocument, read_toml
 from ....base.reader_guard import guarded
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import parse_policy
-from ....sim.faults import parse_faults
+from ....sim.machine.faults import parse_faults
 from ..axes.conditions import MACHINE, option_axis
 from ..axes.parameters import column_of, param_axis
 from ..axes.values import count_range, step_range

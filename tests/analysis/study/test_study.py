@@ -11,7 +11,7 @@ from lodbench.models.machine.profile_catalog import load_hardware
 from lodbench.models.scene.scene import Scene
 from lodbench.models.scene.scene_catalog import load_scene
 from lodbench.policies.thresholds.static_screen import StaticScreen
-from lodbench.sim.faults import Faults
+from lodbench.sim.machine.faults import Faults
 from lodbench.traces.cameras import read_trace as reading
 from lodbench.traces.cameras.write_trace import write_trace
 

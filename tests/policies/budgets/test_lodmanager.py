@@ -14,7 +14,7 @@ from lodbench.models.scene.motion import Placed
 from lodbench.models.scene.scene import Scene
 from lodbench.policies.budgets.lodmanager import LodManager
 from lodbench.policies.selection import Selection, find_violation
-from lodbench.policies.shared.level_pools import SharedLevels
+from lodbench.policies.shared.levels.level_pools import SharedLevels
 from lodbench.policies.view import View
 from lodbench.sim.accounting.extraction import IndexSets
 from lodbench.sim.accounting.switches import Drawn

@@ -14,8 +14,8 @@ from lodbench.models.scene.scene import Scene
 from lodbench.policies.protocol import Clairvoyant, Policy, Truth
 from lodbench.policies.registry import parse_policy
 from lodbench.policies.selection import Selection
-from lodbench.policies.shared import steady_costs
-from lodbench.policies.shared.resolution_cost import ResolutionCosts
+from lodbench.policies.shared.resolutions import steady_costs
+from lodbench.policies.shared.resolutions.resolution_cost import ResolutionCosts
 from lodbench.policies.view import View
 
 Make = Callable[..., Any]

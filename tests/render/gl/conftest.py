@@ -21,7 +21,7 @@ from lodbench.render.gl.context import Target, open_target
 from lodbench.render.gl.draw_list import Picture
 from lodbench.render.gl.opengl_machine import GlMachine
 from lodbench.render.gl.renderer import Renderer
-from lodbench.sim.simulated_machine import FrameTimes, Submitted
+from lodbench.sim.machine.simulated_machine import FrameTimes, Submitted
 from lodbench.traces.cameras.camera_trace import CameraTrace
 
 SKY = (199, 217, 235)

@@ -9,7 +9,7 @@ from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.frame_cost import FrameCost
 from lodbench.models.scene.levels import LevelTable
 from lodbench.models.scene.scene import Scene
-from lodbench.policies.shared.choices import LevelChoices, importance
+from lodbench.policies.shared.levels.choices import LevelChoices, importance
 from lodbench.policies.solvers.knapsack import hull_increments, relaxed_bound
 from lodbench.policies.view import View
 from lodbench.sim.accounting.benefit_bound import BenefitBound

@@ -102,7 +102,7 @@ def test_a_file_and_python_make_the_same_runs(folder: Path) -> None:
     of_file = read_study(
         write(folder, text + 'faults = ["none", "missing=0.1"]\nseconds = ":3"\nwarmup_s = 0.5\n')
     )
-    from lodbench.sim.faults import Faults
+    from lodbench.sim.machine.faults import Faults
 
     made = Study(
         ["full", "feedback:target=0.8"],

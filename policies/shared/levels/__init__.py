@@ -1,0 +1,1 @@
+"""Levels of objects and what choosing among them needs."""

@@ -1,0 +1,1 @@
+"""Resolutions of objects: what they cost, and how a budget is divided among them."""

@@ -1,0 +1,1 @@
+"""Reported times, and loops that steer by them."""

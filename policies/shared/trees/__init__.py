@@ -1,0 +1,1 @@
+"""Hierarchies, and the order in which they are refined."""

@@ -1,0 +1,1 @@
+"""The machine that frames run on, its noise, and what it reports."""

@@ -1,0 +1,1 @@
+"""The frame pipeline: events, pacing and screens on one clock."""
