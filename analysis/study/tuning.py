@@ -60,8 +60,8 @@ class _Effort:
 
 _EFFORT = _Effort(SCANNED_VALUES, NARROW, 0.12, near=0.03, near_of_folds=0.06)
 _EFFORT_OF_FEW = _Effort(3, 2.0 * NARROW, 0.2, near=0.06, near_of_folds=0.1)
-"""Where all paths are scanned: each value then tells of all, so that fewer find the budget.  What so
-few paths leave open of the work is more than such brackets do."""
+"""Where all paths are scanned: each value then tells of all, so that fewer find the budget.  Of the
+work, so few paths leave more open than such brackets do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,8 +2,8 @@
 
 A pool of paths of each kind is replayed once and stands for the kind.  A study draws its ten paths
 from it, with replacement: to it the pool is all such paths, whose mean is known without error, and
-its draws are independent.  (Were the truth the mean of other paths, its own error would be common to
-all studies: a pool as large as this one's would lie 0.2 standard errors of a study off.)
+its draws are independent.  (Were the truth the mean of other paths, its own error would be common
+to all studies: that of as many would be 0.3 standard errors of a study off.)
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -128,7 +128,10 @@ def _cell(
 
 
 def print_cells(cells: Sequence[Cell]) -> tuple[float, float, float]:
-    """Print coverage by metric and kind; return it pooled, cells outside .82 to .97, and too few."""
+    """Print coverage by metric and kind; return it pooled, the share of cells outside, and too few.
+
+    Outside is below .82 or above .97.
+    """
     for metric in dict.fromkeys(cell.metric for cell in cells):
         row = [f"| `{metric}` | {kind_of(find_metric(metric))} "]
         for kind in dict.fromkeys(cell.kind for cell in cells):
