@@ -23,20 +23,45 @@ from ..verdict.operating_point import (
 )
 from .replays import Place, Replays
 
-SCANNED_VALUES = 5
-"""Values of a knob, its ends among them, that are replayed before anything is known."""
 SCANNED_PATHS = 4
-"""Paths on which they are: enough to see where the budget lies, and for curves."""
+"""Paths on which the whole range of a knob is replayed: enough to see where the budget lies, and
+for curves."""
+SCANNED_VALUES = 5
+"""Values, the ends among them, that are replayed there before anything is known."""
 _BEYOND = 0.02
 """By which a value is taken beyond where the last point of a training set should be, so that it is
 surely beyond it; twice as much at every further try."""
 _POINTS = 129  # at which that is looked for
-_NARROW_OF_FOLDS = 0.12
-"""Width of the bracket about the operating point of a fold: paths judge at its coarse end."""
-_NEAR, _NEAR_OF_FOLDS = 0.03, 0.06
-"""Change of the work over a bracket, as a share, that is small enough whatever its width."""
 MOST_VALUES = 18
 """Values of a knob that are replayed at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Effort:
+    """How closely a knob is looked at.
+
+    Attributes
+    ----------
+    values : int
+        Of the knob, its ends among them, that are replayed before anything is known.
+    narrow, narrow_of_folds : float
+        Width of the bracket about the operating point of all paths, and about that of a fold, whose
+        paths judge at its coarse end.
+    near, near_of_folds : float
+        Change of the work over a bracket, as a share, that is small enough whatever its width.
+    """
+
+    values: int
+    narrow: float
+    narrow_of_folds: float
+    near: float
+    near_of_folds: float
+
+
+_EFFORT = _Effort(SCANNED_VALUES, NARROW, 0.12, near=0.03, near_of_folds=0.06)
+_EFFORT_OF_FEW = _Effort(3, 2.0 * NARROW, 0.2, near=0.06, near_of_folds=0.1)
+"""Where all paths are scanned: each value then tells of all, so that fewer find the budget.  Of the
+work, so few paths leave more open than such brackets do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,9 +168,10 @@ class _Search:
     ) -> None:
         self._replays, self._rotation = replays, rotation
         self._label, self._knob, self._budget_ms, self._seed = label, knob, budget_ms, seed
-        self._known = list(knob.values(SCANNED_VALUES))  # on the scanned paths, coarse to fine
-        # Of these, on all training paths.
-        self._whole = list(self._known) if rotation.scanned == rotation.training else []
+        few = rotation.scanned == rotation.training
+        self._effort = _EFFORT_OF_FEW if few else _EFFORT
+        self._known = list(knob.values(self._effort.values))  # on the scanned paths, coarse to fine
+        self._whole = list(self._known) if few else []  # of these, on all training paths
         self._tries = 0  # to have the points of all training sets between two of these
 
     def scan(self) -> list[Place]:
@@ -183,11 +209,11 @@ class _Search:
             return hopeful[0]
         if len(self._known) >= MOST_VALUES:
             return None
-        values, scale = np.array(self._whole), self._knob.scale
+        values, scale, effort = np.array(self._whole), self._knob.scale, self._effort
         everyone, *folds = training
         for sets, narrow, near in (
-            ([everyone], NARROW, _NEAR),
-            (folds, _NARROW_OF_FOLDS, _NEAR_OF_FOLDS),
+            ([everyone], effort.narrow, effort.near),
+            (folds, effort.narrow_of_folds, effort.near_of_folds),
         ):
             share = self._share(narrow)
             after = next_knob(values, work_ms, self._budget_ms, scale, sets, share, near)

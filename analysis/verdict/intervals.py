@@ -21,6 +21,7 @@ Set so that intervals of log-normal, exponential and gamma values called `enough
 .87 of nominal .9; a stricter rule would cover less, as samples that missed their tail pass it."""
 
 _FEWEST = 4  # paths, or values above 0, from which a spread is estimated
+_ROUNDING = 1e-6  # relative difference that is none: refreshes end at whole nanoseconds
 _GRID = (np.arange(64) + 0.5) / 64  # quantiles that stand for a distribution
 
 
@@ -74,8 +75,10 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
 
     "signed": Student's t.  "positive": t on the logarithm of the mean, which reaches further up
     than down.  "share", and "positive" with zeros among them: the share of paths with any (beta;
-    exact if no path has) times the mean of those (t on its logarithm), at most 1 for a share.
-    "capped": what is missing to the best of the paths, as such a share of it.
+    exact if no path has) times the mean of those (t on its logarithm), at most 1 for a share; of
+    shares nearer 1, what is missing to it.  "capped": what is missing to the best of the paths, as
+    such a share of it, where most have that; else as "positive".  Paths that are all alike are not
+    enough, but of a share or a rate: how far another may be from them, none tells.
     Of one path there is none: nan.  `needed` counts paths.
 
     Parameters
@@ -89,14 +92,19 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
         return None
     if len(values) < 2:
         return Interval(float("nan"), float("nan"), enough=False, needed=_FEWEST)
-    if kind == "signed":
-        return _of_signed(values, level)
-    if kind == "positive" and bool((values > 0).all()):
-        return _of_positive(values, level)
-    if kind == "capped" and (best := float(values.max())) > 0.0:
+    if kind == "capped" and _is_capped(values):
+        best = float(values.max())
         missing = _of_two_parts(1.0 - values / best, 1.0, level)
         return replace(missing, low=best * (1.0 - missing.high), high=best * (1.0 - missing.low))
-    return _of_two_parts(values, 1.0 if kind == "share" else np.inf, level)
+    if kind == "share":
+        if values.mean() <= 0.5:
+            return _of_two_parts(values, 1.0, level)
+        missing = _of_two_parts(1.0 - values, 1.0, level)
+        return replace(missing, low=1.0 - missing.high, high=1.0 - missing.low)
+    if kind != "signed" and not (values > 0).all():
+        return _of_two_parts(values, np.inf, level)
+    found = _of_signed(values, level)
+    return replace(found, enough=False, needed=None) if _are_alike(values) else found
 
 
 def with_machine(
@@ -143,8 +151,21 @@ def with_machine(
     return Interval(float(low), float(high), enough=enough, needed=needed)
 
 
+def _is_capped(values: FloatArray) -> bool:
+    """Return whether at least half of the rates are the best of them, as the display's are.
+
+    Where the machine and not the display bounds a rate, no path shows what others may reach.
+    """
+    best = float(values.max())
+    return best > 0.0 and 2 * int((values >= best * (1.0 - _ROUNDING)).sum()) >= len(values)
+
+
+def _are_alike(values: FloatArray) -> bool:
+    return bool(np.ptp(values) <= _ROUNDING * np.abs(values).max())
+
+
 def _of_signed(values: FloatArray, level: float) -> Interval:
-    """Return Student's interval, or that of positive values turned where all have one sign.
+    """Return Student's interval, or that of positive values, turned if need be, of one sign.
 
     How many are enough for Student's is judged by their skewness.
     """

@@ -87,6 +87,34 @@ def test_a_share_never_exceeds_one() -> None:
     assert 0 < found.low < found.high <= 1
 
 
+def test_a_share_that_is_the_whole_on_all_paths_may_be_less_on_others() -> None:
+    """Ten paths that miss all of the time: at worst .05^(1/10) of such paths do, and none else."""
+    found = over_paths(np.ones(10), "share")
+    assert (found.low, found.high, found.enough) == (pytest.approx(0.05**0.1), 1.0, True)
+    mirrored = over_paths(np.array([0.9, 1.0, 0.8, 1.0]), "share")
+    missing = over_paths(np.array([0.1, 0.0, 0.2, 0.0]), "share")
+    assert (mirrored.low, mirrored.high) == pytest.approx((1 - missing.high, 1 - missing.low))
+
+
+@pytest.mark.parametrize("kind", ["positive", "signed"])
+@pytest.mark.parametrize("refresh_ms", [16.666666, 16.666667])
+def test_paths_that_are_all_alike_tell_nothing_of_others(kind: Kind, refresh_ms: float) -> None:
+    """A tenth of such paths take two refreshes, of which ten paths hold none in 35 %: not enough.
+
+    Refreshes end at whole nanoseconds, which are no spread.
+    """
+    values = np.array([16.666667] * 9 + [refresh_ms])
+    assert not over_paths(values, kind).enough
+    assert over_paths(np.array([16.666667] * 7 + [33.333333] * 3), kind).enough
+
+
+def test_a_rate_that_the_display_does_not_bound_may_be_higher_on_other_paths() -> None:
+    """Rates that all differ show no bound: the interval reaches up as far as that of times."""
+    values = np.array([18.0, 20.0, 21.0, 22.0, 19.0])
+    assert over_paths(values, "capped") == over_paths(values, "positive")
+    assert over_paths(values, "capped").high > 20.0
+
+
 def test_nothing_seen_of_an_unbounded_metric_is_not_enough() -> None:
     """Where no path has any, no number bounds how much another may have."""
     assert over_paths(np.zeros(10), "positive") == Interval(0.0, 0.0, enough=False, needed=None)
