@@ -6,7 +6,7 @@ its text is HTML.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from .palette import Ink
 from .plots import Plot, Plots
@@ -59,15 +59,6 @@ class Table:
     style: Literal["", "facts", "metrics", "ranking"] = ""
     name: str = ""
     folded: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Chart:
-    """A plotly figure, or None where there is nothing to draw."""
-
-    kind: ClassVar = "chart"
-    name: str
-    figure: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +115,7 @@ class Choice:
     options: Sequence[tuple[str, Plot]]
 
 
-Block = Table | Chart | Plots | Choice | Paragraph | Command | Terms | Tiles
+Block = Table | Plots | Choice | Paragraph | Command | Terms | Tiles
 
 
 @dataclass(frozen=True, slots=True)

@@ -245,11 +245,5 @@ let opened = [];
 addEventListener("beforeprint", () => { opened = all("details:not([open])"); for (const d of opened) d.open = true; });
 addEventListener("afterprint", () => { for (const d of opened) d.open = false; });
 addEventListener("hashchange", read);
-if (window.Plotly) {
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  const ink = () => all(".plotly-graph-div").forEach((chart) => Plotly.relayout(chart,
-    { "font.color": getComputedStyle(document.documentElement).getPropertyValue("--ink").trim() }));
-  dark.addEventListener("change", ink); ink();
-}
 read();
 })();
