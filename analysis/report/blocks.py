@@ -24,6 +24,7 @@ class Cell:
     ink : of the mark before the text
     tags : framed words behind it
     value : by which a table is sorted, where it is not the text
+    link : address of a page beside this one, which the text leads to
     """
 
     text: str
@@ -33,6 +34,7 @@ class Cell:
     ink: Ink | None = None
     tags: tuple[str, ...] = ()
     value: float | None = None
+    link: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,7 @@ class Table:
 
     Attributes
     ----------
+    style : "texts" of sentences, which wrap and keep a width at which they can be read
     name : of a table that a reader can sort by its columns; unique on its page
     folded : text that stands for the table until it is opened
     """
@@ -56,7 +59,7 @@ class Table:
     kind: ClassVar = "table"
     heads: Sequence[Cell | str]
     rows: Sequence[Sequence[Cell | str] | Across]
-    style: Literal["", "facts", "metrics", "ranking"] = ""
+    style: Literal["", "facts", "metrics", "ranking", "texts"] = ""
     name: str = ""
     folded: str = ""
 
