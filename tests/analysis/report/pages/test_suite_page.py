@@ -14,7 +14,9 @@ SCORED = Standing("", "ok", None, 1, 0.95, "k=1", 6.0, 0.5, 0.0, 5.0)
 def suite_of(mine: str) -> SuiteResult:
     """Return two comparisons: `a` is first in both, `mine` second, then refused with a reason."""
     missed = replace(SCORED, label="b", rank=None, keeps=0.41, work_ms_p99=12.0)
-    unfit = Standing("b", "not-applicable", "flat scenes only", *(None,) * 2, "", *(None,) * 4)
+    unfit = Standing(
+        "b", "not-applicable", "flat scenes only", None, None, "", None, None, None, None
+    )
     failed = replace(unfit, label=mine, status="failed", reason=f"raised {HOSTILE}")
     first = replace(SCORED, label="a")
     standings = (
