@@ -5,6 +5,7 @@
 # make bench     speed, beside simpy's
 # make mutants   whether tests fail when the code is made wrong on purpose (docs/mutants.md)
 # make docs      generated parts of the documentation, and its site in out/site
+# make pictures  pictures of pages in the documentation, with Chromium; captions are held to its record
 # make reproduction  the papers' experiments, and docs/reproduction.md from them
 # make validation  measure this machine with OpenGL, and write what docs/validation.md reports
 #
@@ -16,7 +17,7 @@ PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3 python
 BIN = .venv/bin
 ROOMS = base models traces policies sim render analysis testing cli
 
-.PHONY: compare test test-slow studies check bench mutants docs validation reproduction clean
+.PHONY: compare test test-slow studies check bench mutants docs pictures validation reproduction clean
 .DELETE_ON_ERROR:
 
 compare: .venv/.installed
@@ -49,6 +50,9 @@ docs: .venv/.installed-dev
 	$(BIN)/python docs/scripts/floors.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	$(BIN)/pytest -q tests/test_docs.py -k "links or tables"
+
+pictures: .venv/.installed-dev
+	$(BIN)/python docs/scripts/pictures.py
 
 reproduction: .venv/.installed-dev
 	$(BIN)/lodbench reproduce all --out out/reproduction

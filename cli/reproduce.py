@@ -24,8 +24,8 @@ Out = Annotated[
     Path | None,
     Option(
         metavar="DIR",
-        help="Write reproduction.md with its pictures, reproduction.json, and the numbers of each "
-        "trial.  The same command goes on where it was stopped.",
+        help="Write report.html, reproduction.md with its pictures, reproduction.json, and the "
+        "numbers of each trial.  The same command goes on where it was stopped.",
     ),
 ]
 
@@ -55,6 +55,7 @@ def reproduce(
     from ..analysis.reproduce.page import write_page
     from ..analysis.reproduce.registry import find_experiments
     from ..analysis.reproduce.reproduce import reproduce as carry_out
+    from ..analysis.reproduce.web_page import render_reproduction
     from ..analysis.study.engine.limits import make_limits
     from ..analysis.study.engine.open_engine import prepare_engine
     from ..base.files.whole_file import write_whole
@@ -66,7 +67,8 @@ def reproduce(
     if out is not None:
         require_charts()
         out.mkdir(parents=True, exist_ok=True)
-        require_file_writable(out / "reproduction.md")
+        for name in ("reproduction.md", "report.html"):
+            require_file_writable(out / name)
     prepare_engine(scheduler)
     with progress_bar("reproduce", "trials") as progress:
         result = carry_out(
@@ -84,7 +86,10 @@ def reproduce(
         write_page(result, out / "reproduction.md")
         text = msgspec.json.format(msgspec.json.encode(record), indent=1)
         write_whole(out / "reproduction.json", text + b"\n")
+        write_whole(out / "report.html", render_reproduction(result))
     if as_json:
         print_result(record, "", as_json=True)
     else:
         print_reproduction(result, table_console(120))
+        if out is not None:
+            print(f"report: {out / 'report.html'}")

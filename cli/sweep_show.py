@@ -35,6 +35,13 @@ BySensitivity = Annotated[
         "--sensitivity", help="How much of each metric's variance each axis explains by itself."
     ),
 ]
+Html = Annotated[
+    Path | None,
+    Option(
+        metavar="FILE.html",
+        help="Write a page, too: each metric over each axis by policy, and what depends on what.",
+    ),
+]
 
 _LISTED = 40
 """Runs that are listed in a terminal."""
@@ -47,6 +54,7 @@ def show(
     pivot: Pivot = None,
     metric: Metric = None,
     sensitivity: BySensitivity = False,
+    html: Html = None,
     as_csv: Csv = False,
     as_latex: Latex = False,
     as_json: options.AsJson = False,
@@ -58,11 +66,16 @@ def show(
 
     from ..analysis.study.sweep.answer import find_answer
     from ..analysis.study.sweep.plain_table import console_table, csv_text, fitting, latex_text
+    from ..base.files.writable import require_file_writable
 
     if as_csv + as_latex + as_json > 1:
         raise InputError("--csv, --latex, --json: expected one of them, got more; choose one")
+    if html is not None:
+        require_file_writable(html)
     axes = [axis.strip() for axis in pivot.split(",")] if pivot is not None else None
     answer = find_answer(folder, where=where, pivot=axes, metrics=metric, sensitivity=sensitivity)
+    if html is not None:
+        _write_page(html, folder, where, metric)
     if as_json:
         print(json.dumps(answer.record(), allow_nan=False))
     elif as_csv:
@@ -82,6 +95,18 @@ def show(
             console.print(f"and {left:,} more runs, which --csv lists too")
         for note in answer.notes:
             console.print(Text(note), soft_wrap=True)
+
+
+def _write_page(html: Path, folder: Path, where: str | None, metrics: Sequence[str] | None) -> None:
+    """Write the page of the runs for which a condition holds."""
+    from ..analysis.report.pages.sweep_page import render_sweep
+    from ..analysis.study.comparison import SHOWN
+    from ..analysis.study.sweep.query import Query
+    from ..analysis.study.sweep.study_results import read_study_results
+    from ..base.files.whole_file import write_whole
+
+    query = Query(read_study_results(folder), where)
+    write_whole(html, render_sweep(query, metrics or SHOWN, where))
 
 
 def _tell(notes: Sequence[str]) -> None:

@@ -5,13 +5,20 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import FloatArray
-from ..report.blocks import Chart, Paragraph, Section, Table
+from ..report.blocks import Cell, Paragraph, Section, Table
 from ..report.page import render_page
+from ..report.palette import COLORS, Ink
+from ..report.plots import Axis, Line, Plot, Plots, line_of
 from ..report.series import envelope, tail
 from ..report.values import format_value
 
 _BUCKETS, _POINTS = 600, 300
 _SERIES = {"frames": "from frame to frame", "displays": "between displays"}
+_INKS = {
+    "frames": Ink(COLORS[0], "solid", "circle", 0, 0),
+    "displays": Ink(COLORS[1], "dash", "square", 1, 1),
+}
+_LEAST_PCT = 0.01
 
 
 def render_capture(record: dict[str, Any], intervals: dict[str, FloatArray]) -> str:
@@ -20,7 +27,8 @@ def render_capture(record: dict[str, Any], intervals: dict[str, FloatArray]) -> 
     sections = [_findings(record), _columns(record)]
     if intervals:
         sections = [*sections[:1], _times(intervals), _metrics(record), *sections[1:]]
-    return render_page(f"What {record['log']} holds", subtitle, sections)
+    legend = [Cell(_SERIES[name], ink=_INKS[name]) for name in intervals]
+    return render_page(f"What {record['log']} holds", subtitle, sections, legend)
 
 
 def _findings(record: dict[str, Any]) -> Section:
@@ -30,22 +38,23 @@ def _findings(record: dict[str, Any]) -> Section:
 
 
 def _times(intervals: dict[str, FloatArray]) -> Section:
-    from plotly.graph_objects import Figure
-
-    along, slow = Figure(), Figure()
+    highest_ms = 1.05 * max(float(values.max()) for values in intervals.values())
+    ends_s = [float(values.sum()) / 1e3 for values in intervals.values()]
+    along = Axis("s", 0.0, max(ends_s), parts=8), Axis("ms", 0.0, highest_ms)
+    slow = Axis("ms", 0.0, highest_ms, parts=8), Axis("%", _LEAST_PCT, 100.0, "log")
+    series: list[Line] = []
+    tails: list[Line] = []
     for name, values in intervals.items():
-        x, y = envelope(np.cumsum(values) / 1e3, values, _BUCKETS)
-        along.add_scattergl(x=x.tolist(), y=y.tolist(), name=_SERIES[name], mode="lines")
+        points = envelope(np.cumsum(values) / 1e3, values, _BUCKETS)
+        series.append(line_of(_INKS[name], along, points))
         x, share = tail(values, values, _POINTS)
-        slow.add_scattergl(
-            x=x.tolist(), y=(100.0 * share).tolist(), name=_SERIES[name], mode="lines"
-        )
-    along.update_layout(xaxis_title="s", yaxis_title="ms", height=340)
-    slow.update_layout(xaxis_title="ms", yaxis_title="time in frames at least this slow, %")
-    slow.update_yaxes(type="log", dtick=1)
-    slow.update_layout(height=340)
+        tails.append(line_of(_INKS[name], slow, (x, 100.0 * share)))
+    plots = (
+        Plot("along", "Time of each frame, ms", *along, series, height_px=260, link="time"),
+        Plot("slow", "Time in frames at least this slow, %", *slow, tails, height_px=260),
+    )
     note = "Extremes of every stretch are kept."
-    return Section("Frame times", note, [Chart("along", along), Chart("slow", slow)])
+    return Section("Frame times", note, [Plots(plots[:1], zoom="time"), Plots(plots[1:])])
 
 
 def _metrics(record: dict[str, Any]) -> Section:

@@ -6,7 +6,7 @@ its text is HTML.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from .palette import Ink
 from .plots import Plot, Plots
@@ -24,6 +24,7 @@ class Cell:
     ink : of the mark before the text
     tags : framed words behind it
     value : by which a table is sorted, where it is not the text
+    link : address of a page beside this one, which the text leads to
     """
 
     text: str
@@ -33,6 +34,7 @@ class Cell:
     ink: Ink | None = None
     tags: tuple[str, ...] = ()
     value: float | None = None
+    link: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,7 @@ class Table:
 
     Attributes
     ----------
+    style : "texts" of sentences, which wrap and keep a width at which they can be read
     name : of a table that a reader can sort by its columns; unique on its page
     folded : text that stands for the table until it is opened
     """
@@ -56,18 +59,9 @@ class Table:
     kind: ClassVar = "table"
     heads: Sequence[Cell | str]
     rows: Sequence[Sequence[Cell | str] | Across]
-    style: Literal["", "facts", "metrics", "ranking"] = ""
+    style: Literal["", "facts", "metrics", "ranking", "texts"] = ""
     name: str = ""
     folded: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Chart:
-    """A plotly figure, or None where there is nothing to draw."""
-
-    kind: ClassVar = "chart"
-    name: str
-    figure: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +118,7 @@ class Choice:
     options: Sequence[tuple[str, Plot]]
 
 
-Block = Table | Chart | Plots | Choice | Paragraph | Command | Terms | Tiles
+Block = Table | Plots | Choice | Paragraph | Command | Terms | Tiles
 
 
 @dataclass(frozen=True, slots=True)

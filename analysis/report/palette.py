@@ -1,5 +1,6 @@
 """One colour and dash for each policy, the same in every chart and table of a report."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from ..study.comparison import Comparison
@@ -45,9 +46,19 @@ def inks(comparison: Comparison) -> dict[str, Ink]:
         if policy.oracle:
             turn, hue, color = 1 + oracles % (len(_DASHES) - 1), len(COLORS), _ORACLE
             oracles += 1
+            chosen[policy.label] = Ink(color, _DASHES[turn], _SYMBOLS[turn], hue, index)
         else:
-            turn, hue = ordinary // len(COLORS) % len(_DASHES), ordinary % len(COLORS)
-            color = COLORS[hue]
+            chosen[policy.label] = ink_at(ordinary, index)
             ordinary += 1
-        chosen[policy.label] = Ink(color, _DASHES[turn], _SYMBOLS[turn], hue, index)
     return chosen
+
+
+def inks_of(labels: Iterable[str]) -> dict[str, Ink]:
+    """Return the ink of each policy, by label, of those that have no comparison in common."""
+    return {label: ink_at(place, place) for place, label in enumerate(labels)}
+
+
+def ink_at(place: int, index: int) -> Ink:
+    """Return the ink of what is drawn in a place; after all colours come other dashes."""
+    turn, hue = place // len(COLORS) % len(_DASHES), place % len(COLORS)
+    return Ink(COLORS[hue], _DASHES[turn], _SYMBOLS[turn], hue, index)

@@ -39,6 +39,8 @@ class Axis:
         A root shows what is close to zero apart, and zero itself.
     parts : int
         How many parts the ticks of a linear axis make, about.
+    names : tuple of str
+        What stands at 0, 1, … on a linear axis of things that are no numbers.
     """
 
     title: str
@@ -46,6 +48,7 @@ class Axis:
     high: float
     scale: Scale = "linear"
     parts: int = 5
+    names: tuple[str, ...] = ()
 
     def place(self, values: FloatArray) -> FloatArray:
         """Return where values lie, as shares of the axis, a little beyond its ends at most."""
@@ -67,6 +70,8 @@ class Axis:
         """Places of round values, in per cent of the axis, and their texts."""
         if self.low >= self.high:
             return ()
+        if self.names:
+            return tuple((round(100.0 * self.at(i), 2), name) for i, name in enumerate(self.names))
         values = self._even_values() if self.scale == "linear" else self._spread_values()
         return tuple((round(100.0 * self.at(value), 2), _tick_text(value)) for value in values)
 
@@ -109,7 +114,7 @@ class Line:
     style : str
         Class of the page's style: "leader", "band", "heat1" to "heat4" or one of `LEVEL_STYLES`.
     hint : str
-        What its hover says, of a line in a row.
+        What its hover says, of a line in a row; of another, its name where it is not the legend's.
     """
 
     ink: Ink

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ..study.suite.suite_record import CellResult, Leader, SuiteResult
+from ..study.suite.suite_record import CellResult, Leader, Standing, SuiteResult
 from .console_tables import plain_table
 from .values import ABSENT
 
@@ -41,21 +41,26 @@ def _leaderboard(result: SuiteResult) -> "Table":
     for name in ("kept", "mean rank", *map(str, range(1, 1 + len(result.cells)))):
         table.add_column(name, justify="right", no_wrap=True)
     for leader in result.leaderboard:
-        cells = (_in_cell(cell, leader.label) for cell in result.cells)
+        cells = (standing_text(standing_of(cell, leader.label)) for cell in result.cells)
         kept = f"{leader.kept}/{len(result.cells)}"
         style = "bold green" if leader.submitted else ""
-        row = (str(leader.place), Text(leader.label), kept, _mean(leader), *cells)
+        row = (str(leader.place), Text(leader.label), kept, mean_text(leader), *cells)
         table.add_row(*row, style=style)
     return table
 
 
-def _mean(leader: Leader) -> str:
+def mean_text(leader: Leader) -> str:
+    """Return a mean rank as tables show it."""
     return ABSENT if leader.mean_rank is None else f"{leader.mean_rank:.1f}"
 
 
-def _in_cell(cell: CellResult, label: str) -> str:
-    """Return what became of a policy in a cell, in a word."""
-    standing = next(one for one in cell.standings if one.label == label)
+def standing_of(cell: CellResult, label: str) -> Standing:
+    """Return what became of a policy in a comparison."""
+    return next(one for one in cell.standings if one.label == label)
+
+
+def standing_text(standing: Standing) -> str:
+    """Return that in a word: its rank, the probability that it keeps the budget, or its fate."""
     if standing.status != "ok":
         return "failed" if standing.status == "failed" else "n/a"
     if standing.rank is not None:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from ...base.files.strict_json import read_json
-from ...base.html_table import html_table
 from ...base.reader_guard import guarded
 from ..metrics.metric_registry import METRICS
 from ..metrics.worst_moment import Moment
@@ -136,17 +135,21 @@ class Comparison:
                 columns[f"{metric.id}_{name}"] = pa.array(ends, pa.float64())
         return pa.table(columns)
 
+    def figure(self, name: str) -> Any:
+        """Return a plotly figure: ``tradeoff``, error over work, or ``switches``, over error.
+
+        Each policy is a line as its knob turns, with a point where it was set for the budget.
+
+        Raises `InputError` for another name.
+        """
+        from ..report.notebook.figures import draw_figure
+
+        return draw_figure(self, name)
+
     def _repr_html_(self) -> str:
-        rows = [
-            (
-                policy.label,
-                policy.rank,
-                policy.reason or knob_text(policy),
-                *map(policy.value_of, SHOWN),
-            )
-            for policy in self.policies
-        ]
-        return html_table(self.answer[0], ("policy", "rank", "", *SHOWN), rows)
+        from ..report.notebook.ranking import ranking_html
+
+        return ranking_html(self)
 
     @property
     def ok(self) -> tuple[PolicyResult, ...]:

@@ -1,4 +1,4 @@
-"""Make the picture of `docs/viewer.md`: ``viewer_picture.py``, with Debian's Chromium.
+"""The picture of `docs/viewer.md`, for `pictures.py`, with Debian's Chromium.
 
 Two policies among the 3,000 objects of `plaza`, right after a turn of a trial has brought most of
 them into view.
@@ -39,7 +39,8 @@ def take_picture(page: Path) -> None:
         browser.close()
 
 
-if __name__ == "__main__":
+def make_picture() -> None:
+    """Compare, export the viewer and photograph it."""
     with tempfile.TemporaryDirectory() as folder:
         compared, page = Path(folder) / "run", Path(folder) / "view.html"
         assert run([*COMPARED.split(), str(compared)]) == 0

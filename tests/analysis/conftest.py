@@ -1,6 +1,6 @@
-"""Frame logs built by hand, and a small world to replay in."""
+"""Frame logs and results of studies built by hand, and a small world to replay in."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,12 @@ import pytest
 from lodbench.analysis.metrics.footing import Footing
 from lodbench.analysis.metrics.metric_registry import METRICS
 from lodbench.analysis.metrics.worst_moment import Moment
+from lodbench.analysis.study.engine.task import Failure
+from lodbench.analysis.study.results.manifest import PARTS, Manifest, write_manifest
+from lodbench.analysis.study.results.parts import FINAL, write_part
+from lodbench.analysis.study.results.record import Entry, encode
 from lodbench.analysis.study.score import Scored
+from lodbench.analysis.study.study import Study
 from lodbench.base.predictors import GPU_PREDICTORS, LEVEL_PREDICTORS
 from lodbench.models.machine.cost import CostModel, CpuCostModel
 from lodbench.models.machine.hardware import Display, HardwareProfile, Posterior, Provenance
@@ -23,6 +28,8 @@ from lodbench.traces.cameras.camera_trace import CameraTrace
 from lodbench.traces.cameras.orientation import look_along
 
 MakeLog = Callable[..., FrameLog]
+Outcome = Mapping[str, float | None] | Failure
+MakeUp = Callable[[Study, Callable[[dict[str, object]], Outcome]], Path]
 
 
 @pytest.fixture
@@ -201,3 +208,30 @@ def made_scored() -> Callable[..., Scored]:
         )
 
     return build
+
+
+@pytest.fixture
+def make_up(tmp_path: Path, made_scored: Callable[..., Scored]) -> MakeUp:
+    """Return what writes results of made-up numbers: metrics or a failure, by cells of a run."""
+
+    def write(study: Study, outcome_of: Callable[[dict[str, object]], Outcome]) -> Path:
+        folder = tmp_path / "results"
+        (folder / PARTS).mkdir(parents=True)
+        runs = study.run_list()
+        entries: list[Entry] = []
+        for at, case in enumerate(study.cases()):
+            found = outcome_of(dict(case.cells))
+            if not isinstance(found, Failure):
+                values = dict.fromkeys((metric.id for metric in METRICS), None) | dict(found)
+                found = made_scored(**values)
+            entries.append(Entry(at, found))
+        rows = encode(runs, entries)
+        half = len(entries) // 2
+        parts = [
+            write_part(folder, FINAL, number, part)
+            for number, part in enumerate((rows.slice(0, half), rows.slice(half)))
+        ]
+        write_manifest(folder, Manifest(runs.digest, len(runs), complete=True, parts=tuple(parts)))
+        return folder
+
+    return write

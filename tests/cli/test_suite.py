@@ -57,6 +57,7 @@ def test_the_record_is_printed_and_kept(capsys: pytest.CaptureFixture[str], tmp_
     assert status == {"full": "ok", "static-screen": "ok", mine: "failed"}
     assert {one["status"] for one in tree["standings"]} == {"not-applicable"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "report.html",
         "suite.json",
         *(cell.name for cell in TINY.cells),
     }

@@ -52,7 +52,8 @@ function paint() {
 /* Labels of what is drawn stand beside their points, as near as there is room. */
 function spread(plot) {
   const marks = all(".mark", plot).filter((m) => !hidden.has(m.dataset.p));
-  if (!plot.querySelector(".label") || !marks.length) return;
+  const several = new Set(marks.map((m) => m.dataset.p)).size < marks.length;
+  if (!plot.querySelector(".label") || !marks.length || several) return;
   const room = 1700 / parseFloat(plot.querySelector(".area").style.height), of = (m) => parseFloat(m.style.bottom);
   marks.sort((a, b) => of(a) - of(b) || parseFloat(b.style.left) - parseFloat(a.style.left));
   let end = room / 2;
@@ -194,10 +195,10 @@ for (const plot of all(".plot")) {
       if (hidden.has(path.dataset.p)) continue;
       for (const [x, y] of points(path)) {
         const dx = ((x / WIDE - a) / (b - a) - px) * box.width, dy = (y / HIGH - py) * box.height;
-        if (dx * dx + dy * dy < best) { best = dx * dx + dy * dy; found = [path.dataset.p, x, y]; }
+        if (dx * dx + dy * dy < best) { best = dx * dx + dy * dy; found = [path.dataset.n || nameOf(path.dataset.p), x, y]; }
       }
     }
-    return found && `${nameOf(found[0])}: ${plot.dataset.xt} ${digits(xAt(found[1] / WIDE))}; ${plot.dataset.yt} ${digits(yAt(1 - found[2] / HIGH))}`;
+    return found && `${found[0]}: ${plot.dataset.xt} ${digits(xAt(found[1] / WIDE))}; ${plot.dataset.yt} ${digits(yAt(1 - found[2] / HIGH))}`;
   }
   area.addEventListener("pointermove", (event) => {
     const [px, py, box] = share(event);
@@ -245,11 +246,5 @@ let opened = [];
 addEventListener("beforeprint", () => { opened = all("details:not([open])"); for (const d of opened) d.open = true; });
 addEventListener("afterprint", () => { for (const d of opened) d.open = false; });
 addEventListener("hashchange", read);
-if (window.Plotly) {
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  const ink = () => all(".plotly-graph-div").forEach((chart) => Plotly.relayout(chart,
-    { "font.color": getComputedStyle(document.documentElement).getPropertyValue("--ink").trim() }));
-  dark.addEventListener("change", ink); ink();
-}
 read();
 })();

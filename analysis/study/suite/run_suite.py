@@ -76,7 +76,7 @@ def run_suite(
         folder = None if out is None else out / cell.name
         with nullcontext() if watch is None else watch(cell.name) as progress:
             found = _compare(suite, cell, specs, scenes[cell.scene], settings, folder, progress)
-        cells.append(_cell_result(cell, found))
+        cells.append(cell_result(cell, found))
     return SuiteResult(
         suite=suite.name,
         suite_version=suite.version,
@@ -138,7 +138,8 @@ def _compare(
     return compared.comparison
 
 
-def _cell_result(cell: Cell, comparison: Comparison) -> CellResult:
+def cell_result(cell: Cell, comparison: Comparison) -> CellResult:
+    """Return what a suite keeps of the comparison of a cell."""
     return CellResult(
         name=cell.name,
         scene=cell.scene,

@@ -1,0 +1,1 @@
+"""Pages of studies, of the same template, style and legend as the report of a comparison."""
