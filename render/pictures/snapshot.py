@@ -88,6 +88,8 @@ def recorded_snapshot(
 ) -> Snapshot:
     """Return what a replay drew in a frame of which its log keeps the levels.
 
+    A continuous node has the resolution of the knot that it has passed, as `LevelHistory` has it.
+
     Parameters
     ----------
     size_px : (width, height)
