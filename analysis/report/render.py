@@ -57,11 +57,12 @@ def render_report(
     return render_page(
         f"Which policy keeps {comparison.budget_ms:.4g} ms?",
         results.words(describe_run(comparison)),
-        [_find_section(name)(results) for name in SECTIONS],
+        [find_section(name)(results) for name in SECTIONS],
         [results.name_of(policy) for policy in results.drawn],
         _DRAWN_AT_FIRST,
     )
 
 
-def _find_section(name: str) -> Callable[[Results], Section]:
+def find_section(name: str) -> Callable[[Results], Section]:
+    """Return what builds a section of `SECTIONS` by its name."""
     return getattr(import_module(f".sections.{name}", __package__), name)

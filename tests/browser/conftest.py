@@ -80,9 +80,9 @@ def open_page(browser: Any) -> Iterator[Open]:
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a comparison of three policies among 3,000 objects, of which one is far off scale."""
+    """Return a comparison of policies among 3,000 objects: one is far off scale, one predicts."""
     out = tmp_path_factory.mktemp("browser") / "run"
-    policies = ("static-screen:bias=1.17", "lodmanager:target=0.6", "full")
+    policies = ("static-screen:bias=1.17", "lodmanager:target=0.6", "funkhouser:aim=0.2", "full")
     words = "--scene plaza --trace trial --paths 2 --seconds 0:3 --seeds 1 --draws 0 --budget-ms 8"
     chosen = [word for policy in policies for word in ("--policy", policy)]
     assert run(["compare", *words.split(), *chosen, "--workers", "1", "--out", str(out)]) == 0
