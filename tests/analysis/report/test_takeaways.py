@@ -87,8 +87,8 @@ def results(compared: Compared, make_log: Callable[..., FrameLog]) -> Results:
         (
             "worst_moments",
             (
-                f"{A}, the first of the ranking, never took longer than 12.0 ms, 1.50 × the budget; "
-                "2 of 2 policies exceeded it at some moment."
+                f"{A}, the first of the ranking, never took longer than 12.0 ms, 1.50 × the "
+                "budget; 2 of 2 policies exceeded it at some moment."
             ),
         ),
         ("from_above", f"{A} did most work 0.10 s into this path."),
