@@ -11,7 +11,7 @@ from PIL import Image
 
 from lodbench.analysis.report.render import render_report
 from lodbench.analysis.study import moment_pictures
-from lodbench.analysis.study.compare import compare
+from lodbench.analysis.study.compare import CompareSettings, compare
 from lodbench.analysis.study.comparison_folder import Compared, read_results, write_results
 from lodbench.analysis.study.comparison_parts import PolicyResult, Status
 from lodbench.analysis.study.moment_pictures import (
@@ -26,24 +26,25 @@ from lodbench.models.meshes.geometry import Geometry
 from lodbench.models.scene.rig import Eyes
 from lodbench.policies.registry import parse_policy
 from lodbench.sim.frame_log import FrameLog
+from lodbench.sim.replay import ReplayOptions
 
-from .conftest import ONE, REPLAY, World
-
+REPLAY = ReplayOptions(budget_ms=8.0, seed=3)
+SETTINGS = CompareSettings(workers=1, draws=0, warmup_s=0.1, seeds=1)
 POLICIES = ("static-screen:bias=1", "feedback:target=0.9", "full")
 Drawn = dict[str, tuple[str, float, float]]
 """Of each picture by label: path, time and work of its frame."""
 
 
-def compared(world: World, meshes: Meshes | None) -> Compared:
+def compared(world: Any, meshes: Meshes | None) -> Compared:
     """Compare on three paths, the first of which sees nothing; with pictures where meshes are."""
     specs = [parse_policy(text) for text in POLICIES]
     blind = replace(world.trace.stretch(0.2, 0.7), name="blind")
-    paths, settings = [blind, *world.short_paths(2)], replace(ONE, warmup_s=0.1)
+    paths, settings = [blind, *world.short_paths(2)], SETTINGS
     return compare(specs, world.scene, paths, world.machine, REPLAY, settings, meshes=meshes)
 
 
 @pytest.fixture(scope="module")
-def found(world: World) -> tuple[Compared, Drawn]:
+def found(world: Any) -> tuple[Compared, Drawn]:
     """Return a comparison with pictures, and which frames were drawn for it."""
     drawn: Drawn = {}
     whole: Any = getattr(moment_pictures, "_draw")  # noqa: B009 - private to all others
@@ -94,7 +95,7 @@ def test_a_picture_is_of_the_worst_frame_of_all_judged_runs(found: tuple[Compare
     assert {moment.path for moment in moments.values()} != {comparison.paths[0]}
 
 
-def test_pictures_change_no_number(world: World, found: tuple[Compared, Drawn]) -> None:
+def test_pictures_change_no_number(world: Any, found: tuple[Compared, Drawn]) -> None:
     """The record, the frames and all runs are those of a comparison without pictures."""
     plain, drawn = compared(world, None), found[0]
     assert plain.pictures == {}
@@ -105,9 +106,7 @@ def test_pictures_change_no_number(world: World, found: tuple[Compared, Drawn]) 
         assert log.counts.tobytes() == drawn.logs[label].counts.tobytes()
 
 
-def test_pictures_are_read_back(
-    world: World, found: tuple[Compared, Drawn], tmp_path: Path
-) -> None:
+def test_pictures_are_read_back(world: Any, found: tuple[Compared, Drawn], tmp_path: Path) -> None:
     """PNG of the display's shape, from the folder as they were; the page made again is the same."""
     compared, _ = found
     display = world.machine.display
@@ -126,7 +125,7 @@ def test_pictures_are_read_back(
 
 
 def test_meshes_that_are_gone_or_others_cost_no_result(
-    world: World, found: tuple[Compared, Drawn]
+    world: Any, found: tuple[Compared, Drawn]
 ) -> None:
     """A file that is gone or changed in hours of replays: pictures have stand-ins for objects."""
     comparison, log = found[0].comparison, found[0].logs["full"]
@@ -147,7 +146,7 @@ def test_meshes_that_are_gone_or_others_cost_no_result(
     assert draw_moments(comparison, unkept, unkept, world.scene, tuple) == {}
 
 
-def test_the_page_says_why_there_is_no_picture(world: World, found: tuple[Compared, Drawn]) -> None:
+def test_the_page_says_why_there_is_no_picture(world: Any, found: tuple[Compared, Drawn]) -> None:
     """No single picture shows what two cameras saw, and records of before have none."""
     comparison, logs = found[0].comparison, found[0].logs
     eyes = Eyes(apart_m=0.06)
