@@ -5,6 +5,7 @@ profile are bundled names, files, or what was loaded or made of arrays.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -26,6 +27,7 @@ from .study.inputs import (
     as_hardware,
     as_scene,
     as_trace,
+    read_meshes,
 )
 
 if TYPE_CHECKING:  # loaded by the function that needs them
@@ -153,8 +155,9 @@ def compare(
     policy_timeout_s, policy_memory_bytes
         What a policy may take before it fails: see `Limits`.
     out
-        Folder for report.html, comparison.json, all runs, and frames of every policy.  A comparison
-        that was stopped goes on, and one that the folder holds is not repeated.
+        Folder for report.html, comparison.json, all runs, frames of every policy, and pictures of
+        worst moments.  A comparison that was stopped goes on, and one that the folder holds is not
+        repeated.
     progress
         Called with the replays done and the replays asked for so far.
 
@@ -210,6 +213,7 @@ def compare(
             ),
             progress=progress,
             target=target,
+            meshes=None if out is None else partial(read_meshes, scene),
         )
         if target is not None:
             target.write(compared)

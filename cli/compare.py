@@ -36,7 +36,8 @@ Out = Annotated[
     Path | None,
     Option(
         metavar="DIR",
-        help="Write report.html, comparison.json, runs.parquet and frames/POLICY.parquet. "
+        help="Write report.html, comparison.json, runs.parquet, frames/POLICY.parquet, and "
+        "moments/POLICY.png of the first policies' worst moments. "
         "Only a folder that compare wrote is replaced. The same command goes on where it was "
         "stopped.",
     ),
@@ -162,7 +163,8 @@ def compare(
         profile = adjust_machine(
             load_hardware(hardware), display, refresh_hz, frames_in_flight, pacing, latency_limit
         )
-        world = open_named_scene(scene).scene
+        opened = open_named_scene(scene)
+        world, meshes = opened.scene, None if out is None else opened.read_geometry
         policies = [parse_policy(text) for text in policy or compared_policies()]
         walked = load_paths(
             trace or [DEFAULT_TRACE],
@@ -200,7 +202,15 @@ def compare(
         )
         with progress_bar("replay") as progress:
             compared = compare_policies(
-                policies, world, walked, profile, replay, settings, progress=progress, target=target
+                policies,
+                world,
+                walked,
+                profile,
+                replay,
+                settings,
+                progress=progress,
+                target=target,
+                meshes=meshes,
             )
         unwritten = target and failure_of(lambda: target.write(compared))
         if as_json:

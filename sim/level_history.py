@@ -70,6 +70,13 @@ class LevelHistory:
         """The frame of each change, (c,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.start))
 
+    def at(self, frame: int, nodes: int) -> NDArray[np.int16]:
+        """Return the level of each of so many nodes in a frame that is kept, (nodes,)."""
+        past = int(self.start[frame + 1])
+        level = np.full(nodes, HIDDEN, dtype=np.int16)
+        level[self.node[:past]] = self.level[:past]  # of several changes of a node, the last
+        return level
+
     def before(self) -> NDArray[np.int16]:
         """Return the level of each change's node just before it, (c,)."""
         order = np.argsort(self.node, kind="stable")  # of each node, by frame

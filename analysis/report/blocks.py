@@ -4,6 +4,7 @@ A block names by its `kind` the macro of ``templates/blocks.html`` that turns it
 its text is HTML.
 """
 
+from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -118,14 +119,53 @@ class Choice:
     options: Sequence[tuple[str, Plot]]
 
 
-Block = Table | Plots | Choice | Paragraph | Command | Terms | Tiles
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture that belongs to a policy, which the legend of the page rules.
+
+    Attributes
+    ----------
+    png : bytes
+    name : with its ink
+    alt : what it shows, for who cannot see it
+    caption : below it
+    """
+
+    png: bytes
+    name: Cell
+    alt: str
+    caption: str
+
+    @property
+    def base64(self) -> str:
+        """The bytes as an address of data has them."""
+        return b64encode(self.png).decode()
+
+
+@dataclass(frozen=True, slots=True)
+class Pictures:
+    """Pictures of a scene, as many beside each other as fit, with the key of their colours."""
+
+    kind: ClassVar = "pictures"
+    pictures: Sequence[Picture]
+
+
+Block = Table | Plots | Choice | Paragraph | Command | Terms | Tiles | Pictures
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A part of a page under a heading; a folded one shows its heading alone until it is opened."""
+    """A part of a page under a heading.
+
+    Attributes
+    ----------
+    note : how to read it
+    folded : whether it shows its heading alone until it is opened
+    takeaway : the sentence that a reader should take from it
+    """
 
     title: str
     note: str
     blocks: Sequence[Block]
     folded: bool = False
+    takeaway: str = ""

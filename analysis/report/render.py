@@ -1,6 +1,6 @@
 """Put a report together from its sections."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 
 from ...models.scene.scene import Scene
@@ -17,14 +17,14 @@ SECTIONS = (
     "ranks",
     "tradeoffs",
     "along_the_trace",
+    "slow_frames",
+    "load_steps",
     "flicker",
     "object_levels",
+    "robustness",
     "worst_moments",
     "cost_breakdown",
     "predictions",
-    "robustness",
-    "slow_frames",
-    "load_steps",
     "from_above",
     "every_metric",
     "provenance",
@@ -36,7 +36,10 @@ _DRAWN_AT_FIRST = 6
 
 
 def render_report(
-    comparison: Comparison, logs: dict[str, FrameLog], scene: Scene | None = None
+    comparison: Comparison,
+    logs: dict[str, FrameLog],
+    scene: Scene | None = None,
+    pictures: Mapping[str, bytes] | None = None,
 ) -> str:
     """Return the HTML of a comparison; the same comparison gives the same bytes.
 
@@ -47,16 +50,19 @@ def render_report(
         By label, of every policy with status ok.
     scene : Scene or None
         By which the nodes are named whose levels the logs keep.
+    pictures : mapping of str to bytes, or None
+        PNG of the worst moments of some policies, by label.
     """
-    results = Results(comparison, logs, inks(comparison), scene)
+    results = Results(comparison, logs, inks(comparison), scene, pictures or {})
     return render_page(
         f"Which policy keeps {comparison.budget_ms:.4g} ms?",
         results.words(describe_run(comparison)),
-        [_find_section(name)(results) for name in SECTIONS],
+        [find_section(name)(results) for name in SECTIONS],
         [results.name_of(policy) for policy in results.drawn],
         _DRAWN_AT_FIRST,
     )
 
 
-def _find_section(name: str) -> Callable[[Results], Section]:
+def find_section(name: str) -> Callable[[Results], Section]:
+    """Return what builds a section of `SECTIONS` by its name."""
     return getattr(import_module(f".sections.{name}", __package__), name)

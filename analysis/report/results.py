@@ -1,10 +1,11 @@
 """What the sections of a report are made from."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from ...models.scene.scene import Scene
 from ...sim.frame_log import FrameLog
+from ..metrics.measured_frames import MeasuredFrames
 from ..study.comparison import Comparison
 from ..study.comparison_parts import PolicyResult
 from .blocks import Block, Cell, Section
@@ -23,17 +24,29 @@ class Results:
     logs, inks : by label
     scene : Scene or None
         By which the nodes are named whose levels the logs keep.
+    pictures : mapping of str to bytes
+        PNG of the worst moments of some policies, by label.
     """
 
     comparison: Comparison
     logs: dict[str, FrameLog]
     inks: dict[str, Ink]
     scene: Scene | None = None
+    pictures: Mapping[str, bytes] = field(default_factory=dict[str, bytes])
 
     @property
     def drawn(self) -> tuple[PolicyResult, ...]:
         """What charts draw, in the order of the answer: of those that did the same, one."""
         return shown_policies(self.comparison)
+
+    @property
+    def first(self) -> PolicyResult:
+        """The first of the answer, of which sentences speak; there is one where any is drawn."""
+        return self.drawn[0]
+
+    def first_path(self, label: str) -> MeasuredFrames:
+        """Return what is judged of a policy's first path."""
+        return MeasuredFrames(self.logs[label], *self.comparison.window_s[0])
 
     def words(self, text: str) -> str:
         """Return a text about the comparison, with names cut that are too long to read."""
@@ -57,10 +70,17 @@ _Blocks = Callable[[Results], Sequence[Block]]
 _Build = Callable[[Results], Section]
 
 
-def section(title: str, *, folded: bool = False) -> Callable[[_Blocks], _Build]:
+def section(
+    title: str, *, folded: bool = False, takeaway: Callable[[Results], str] | None = None
+) -> Callable[[_Blocks], _Build]:
     """Make the function below, which returns blocks, a section under a heading.
 
     Its docstring is the note under the heading; ``{level}`` stands for the level of intervals.
+
+    Parameters
+    ----------
+    takeaway
+        Returns the sentence that a reader should take from the section; empty for none.
     """
 
     def record(blocks: _Blocks) -> _Build:
@@ -68,7 +88,8 @@ def section(title: str, *, folded: bool = False) -> Callable[[_Blocks], _Build]:
 
         def build(results: Results) -> Section:
             level = f"{results.comparison.sampling.level:.0%}"
-            return Section(title, note.format(level=level), blocks(results), folded)
+            said = results.words(takeaway(results)) if takeaway and results.drawn else ""
+            return Section(title, note.format(level=level), blocks(results), folded, said)
 
         return build
 

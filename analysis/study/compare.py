@@ -23,7 +23,8 @@ from .comparison_folder import Compared
 from .engine.limits import DEFAULT_LIMITS, Limits
 from .engine.open_engine import open_engine
 from .judging import Judging
-from .replays import Bench, Replays, make_bench
+from .moment_pictures import Meshes, draw_moments, has_one_camera, pictured
+from .replays import Bench, Place, Replays, make_bench
 from .runs import Progress, choose_draws
 from .tuning import Rotation, rotate, tune
 
@@ -103,6 +104,7 @@ def compare(
     *,
     progress: Progress | None = None,
     target: "ComparisonTarget | None" = None,
+    meshes: Meshes | None = None,
 ) -> Compared:
     """Tune, replay and judge policies on paths, and return the comparison with its runs.
 
@@ -113,6 +115,8 @@ def compare(
     target
         Where the comparison is to be written.  Runs are kept beside it as they are done; if it
         holds this very comparison, that is returned.
+    meshes
+        By which worst moments are drawn; without them there are no pictures.
 
     Raises `InputError` if a policy or path is given twice, parameters are refused, or all of a path
     would be warm-up.
@@ -144,21 +148,26 @@ def compare(
         replays = Replays(bench, engine, progress, work, settings.policy_limits)
         replays.make(judging.as_given())
         tuned = tune(replays, rotation, replay_options.budget_ms, first)
-        replays.make(judging.places(tuned))
-    sampling = make_sampling(len(paths), seeds, len(draws), knobs, VARIATIONS)
-    population = "this path" if single else "such paths"
-    verdict = reach_verdict(
-        judging.outcome(replays, tuned),
-        judging.unscored(replays),
-        judging.curves(replays, tuned),
-        Terms(
+        replays.make(places := judging.places(tuned))
+        terms = Terms(
             budget_ms=replay_options.budget_ms,
             margin=settings.margin,
-            population=population,
+            population="this path" if single else "such paths",
             paths=tuple(path.name for path in paths),
             seed=first,
-        ),
-    )
+        )
+        verdict = reach_verdict(
+            judging.outcome(replays, tuned),
+            judging.unscored(replays),
+            judging.curves(replays, tuned),
+            terms,
+        )
+        worst: dict[str, Place] = {}
+        if meshes is not None and has_one_camera(paths, replay_options):
+            labels = pictured(verdict.policies)
+            worst = {label: judging.worst(replays, label, tuned) for label in labels}
+            replays.make(worst.values())
+    sampling = make_sampling(len(paths), seeds, len(draws), knobs, VARIATIONS)
     comparison = make_comparison(
         verdict,
         bench,
@@ -166,16 +175,20 @@ def compare(
         paths,
         hardware,
         sampling,
-        population=population,
+        population=terms.population,
         margin=settings.margin,
         command=settings.command,
     )
+    judged = set(places)
     logs = {
         place.policy: log
         for place in replays
-        if place.logged and (log := replays[place].log) is not None
+        if place.logged and place in judged and (log := replays[place].log) is not None
     }
-    return Compared(comparison, logs, replays.to_table(set(judging.places(tuned))), scene)
+    pictures: dict[str, bytes] = {}
+    if meshes is not None:
+        pictures = draw_moments(comparison, replays, worst.values(), scene, meshes)
+    return Compared(comparison, logs, replays.to_table(judged), scene, pictures)
 
 
 def compared_policies() -> tuple[str, ...]:

@@ -1,13 +1,14 @@
 """The folder that a comparison is written to: all of it, or nothing."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ...base.content_hash import hash_bytes
 from ...base.errors import InputError, about_file
 from ...base.files.strict_json import encode_record, read_json
+from ...base.files.text_file import read_bytes
 from ...base.files.whole_file import write_whole
 from ...base.files.whole_folder import require_replaceable, whole_folder
 from ...models.scene.scene import Scene
@@ -26,13 +27,15 @@ if TYPE_CHECKING:
 COMPARISON, RUNS, SCENE = "comparison.json", "runs.parquet", "scene.lodscene"
 """Names of the record, of all runs and of the scene without its meshes in such a folder."""
 
-_REPORT, _FRAMES, _STUDY = "report.html", "frames", "study.json"
+_REPORT, _FRAMES, _MOMENTS, _STUDY = "report.html", "frames", "moments", "study.json"
 _INFO = "run-info.json"
 _STUDY_SCHEMA = "lodbench.comparison-folder/1"
+_PNG, _MOST_PICTURE_BYTES = b"\x89PNG\r\n\x1a\n", 1_000_000
+"""How a picture begins, and how large it may be: twenty times what most are."""
 
 OURS = (
     r"report\.html|comparison\.json|runs\.parquet|scene\.lodscene|study\.json|run-info\.json"
-    r"|frames(/.*\.parquet)?"
+    r"|frames(/.*\.parquet)?|moments(/.*\.png)?"
 )
 """The names in such a folder."""
 
@@ -50,12 +53,15 @@ class Compared:
         A row for each replay, see `Replays.to_table`.
     scene : Scene or None
         Whose nodes the logs keep the levels of.
+    pictures : dict of str to bytes
+        PNG of what the camera saw at the worst moments of some policies, by label.
     """
 
     comparison: Comparison
     logs: dict[str, FrameLog]
     runs: "pa.Table | None"
     scene: Scene | None = None
+    pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,8 +132,12 @@ def write_results(
             write_runs(partial / RUNS, compared.runs)
         if compared.scene is not None:
             write_scene(partial / SCENE, compared.scene, ())
-        page = render_report(compared.comparison, compared.logs, compared.scene)
-        (partial / _REPORT).write_text(page, encoding="utf-8")
+        if compared.pictures:
+            (partial / _MOMENTS).mkdir()
+            for label, name in _picture_names(compared.comparison).items():
+                if label in compared.pictures:
+                    (partial / _MOMENTS / name).write_bytes(compared.pictures[label])
+        (partial / _REPORT).write_text(_page(compared), encoding="utf-8")
         if study is not None:
             (partial / _STUDY).write_bytes(encode_record(Study(study, _hash_files(partial))))
         if watch is not None:
@@ -177,7 +187,30 @@ def read_results(folder: Path) -> Compared:
             with about_file(folder / _FRAMES / names[label]):
                 if log.levels is not None:
                     log.levels.require_nodes(scene)
-    return Compared(comparison, logs, runs, scene)
+    return Compared(comparison, logs, runs, scene, _read_pictures(folder, comparison))
+
+
+def _picture_names(comparison: Comparison) -> dict[str, str]:
+    """Return the file of each scored policy's picture, of which few are there."""
+    names = frame_log_names([policy.label for policy in comparison.ok])
+    return {label: f"{name.removesuffix('.parquet')}.png" for label, name in names.items()}
+
+
+def _read_pictures(folder: Path, comparison: Comparison) -> dict[str, bytes]:
+    pictures: dict[str, bytes] = {}
+    for label, name in _picture_names(comparison).items():
+        path = folder / _MOMENTS / name
+        if not path.exists():
+            continue
+        with about_file(path):
+            pictures[label] = content = read_bytes(path, _MOST_PICTURE_BYTES)
+            if not content.startswith(_PNG):
+                raise InputError("expected a PNG, got another file; run `lodbench compare` again")
+    return pictures
+
+
+def _page(compared: Compared) -> str:
+    return render_report(compared.comparison, compared.logs, compared.scene, compared.pictures)
 
 
 def rewrite_report(folder: Path) -> Path:
@@ -190,5 +223,5 @@ def rewrite_report(folder: Path) -> Path:
     """
     compared = read_results(folder)
     target = folder / _REPORT
-    write_whole(target, render_report(compared.comparison, compared.logs, compared.scene))
+    write_whole(target, _page(compared))
     return target

@@ -11,9 +11,10 @@ from ...base.errors import InputError, text_of
 from ...base.nearest_names import unknown_name
 from ...models.machine.hardware import HardwareProfile
 from ...models.machine.profile_catalog import load_hardware
+from ...models.meshes.geometry import Geometry
 from ...models.scene.rig import Eyes
 from ...models.scene.scene import Scene
-from ...models.scene.scene_catalog import load_scene
+from ...models.scene.scene_catalog import load_scene, open_scene
 from ...traces.cameras.camera_trace import CameraTrace
 from ...traces.cameras.generators.generate import KINDS
 from ...traces.cameras.generators.tour import EYE_M
@@ -67,6 +68,16 @@ def parse_seconds(text: object) -> Seconds:
 def as_scene(scene: SceneLike) -> Scene:
     """Return a scene, loaded if it is named; raises InputError as `load_scene` does."""
     return load_scene(scene)
+
+
+def read_meshes(scene: SceneLike) -> Geometry:
+    """Return the meshes of a scene's levels, none of one that was made of arrays.
+
+    Raises InputError as `open_scene` does.
+    """
+    if isinstance(scene, Scene):
+        return ()
+    return open_scene(text_of(scene, "scene", Scene)).read_geometry()
 
 
 def as_trace(trace: TraceLike, scene: SceneLike, place: str = "shrink") -> CameraTrace:

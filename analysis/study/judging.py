@@ -88,6 +88,11 @@ class Judging:
             for path in self.rotation.judged[:_DRAWN_PATHS]
         ]
 
+    def worst(self, replays: Replays, label: str, tuned: Mapping[str, Tuned]) -> Place:
+        """Return where a policy did most work of all that it is judged by, to be logged."""
+        places = self._judging(label, tuned.get(label))
+        return replace(max(places, key=lambda at: replays[at].worst.work_ms), logged=True)
+
     def outcome(self, replays: Replays, tuned: Mapping[str, Tuned]) -> list[Judged]:
         """Return the policies that were scored, with their runs."""
         scored = [label for label in self.bench.specs if label not in replays.failures]

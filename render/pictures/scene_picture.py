@@ -11,12 +11,14 @@ from ...models.meshes.geometry import Geometry
 from ...models.scene.camera import Camera
 from .raster import Canvas
 from .snapshot import Snapshot
-from .triangles import fineness, node_triangles
+from .triangles import fineness, node_triangles, rows_as_seen
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 _SAMPLES = 2  # along each axis of a pixel
+_SEEN_PER_PX = 2.0  # triangles: one on the side that is seen, and one behind it
+_MOST_TRIANGLES = 3_000_000  # of a small picture, which take some ten seconds
 _LIGHT = np.array((-0.45, -0.35, 0.82))  # towards the light, in the scene
 # Five points of the viridis colour map (van der Walt and Smith), coarse to fine.
 _RAMP = (
@@ -28,23 +30,43 @@ _GROUND = np.array(((0.83, 0.83, 0.80), (0.60, 0.61, 0.58)))  # at the horizon, 
 
 def draw_snapshot(shot: Snapshot, geometry: Geometry) -> "Image":
     """Return the frame as the camera sees it, with what it shows written below."""
+    fine = fineness(shot)
+    picture, count = _draw(shot, geometry, fine)
+    _write_legend(picture, shot, fine, count)
+    return picture
+
+
+def draw_small(shot: Snapshot, geometry: Geometry) -> "Image":
+    """Return the frame as the camera sees it, without a word in it, in some seconds.
+
+    A node whose triangles are too small to be seen apart is drawn by a coarser mesh, in the colour
+    of the level that it is drawn at.  Where even these are too many, all are drawn as without
+    geometry (see `node_triangles`).
+    """
+    row, count = rows_as_seen(shot, geometry, _SEEN_PER_PX) if geometry else (None, 0)
+    meshes = geometry if count <= _MOST_TRIANGLES else ()
+    return _draw(shot, meshes, fineness(shot), row)[0]
+
+
+def _draw(
+    shot: Snapshot, geometry: Geometry, fine: FloatArray, row: IntArray | None = None
+) -> "tuple[Image, int]":
+    """Return the picture and how many triangles it was drawn from."""
     from PIL import Image
 
     camera = shot.camera
     canvas = Canvas(_background(camera))
-    fine = fineness(shot)
     color = _colors(fine)
     light = camera.axes @ (_LIGHT / np.linalg.norm(_LIGHT))
     count = 0
-    for corner, node in node_triangles(shot, geometry):
+    for corner, node in node_triangles(shot, geometry, row):
         count += len(node)
         corner, node = _clip(corner, node, camera.near_m)  # noqa: PLW2901 - what is left of them
         canvas.draw(_project(corner, camera), _shade(corner, color[node], light))
     pixels = (np.clip(canvas.color, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
     size = (camera.width_px, camera.height_px)
     picture: Image.Image = Image.fromarray(pixels).resize(size, Image.Resampling.BOX)
-    _write_legend(picture, shot, fine, count)
-    return picture
+    return picture, count
 
 
 def write_picture(path: Path, picture: "Image") -> None:

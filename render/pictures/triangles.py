@@ -8,6 +8,7 @@ import numpy as np
 from ...base.arrays import FloatArray, IntArray
 from ...models.meshes.geometry import Geometry
 from ...models.meshes.shapes import grid_faces
+from ...models.scene.camera import projected_area_px
 from ...models.scene.rotation import rotate
 from ...models.scene.tree import Tree
 from .snapshot import Snapshot
@@ -42,19 +43,52 @@ def fineness(shot: Snapshot) -> FloatArray:
     return np.clip(value, 0.0, 1.0)
 
 
-def node_triangles(shot: Snapshot, geometry: Geometry) -> Iterator[tuple[FloatArray, IntArray]]:
+def _level_rows(shot: Snapshot, geometry: Geometry) -> IntArray:
+    """Return which mesh each drawn node is drawn with, (m,)."""
+    levels = shot.scene.types.levels
+    row, fraction = levels.position(shot.scene.type_index[shot.ids], shot.detail)
+    return np.minimum(row + np.round(fraction).astype(np.int64), len(geometry) - 1)
+
+
+def rows_as_seen(shot: Snapshot, geometry: Geometry, most_per_px: float) -> tuple[IntArray, int]:
+    """Return which mesh each drawn node is drawn with, (m,), and how many triangles that makes.
+
+    It is that of its level; of a node with more triangles than `most_per_px` for each pixel that
+    its sphere covers, that of the coarsest level of its type that still has so many.
+    """
+    scene, row = shot.scene, _level_rows(shot, geometry)
+    local_m = shot.camera.to_camera(shot.centers_m[:, shot.ids])
+    distance_m = np.linalg.norm(local_m, axis=0)
+    area_px = projected_area_px(local_m[2], distance_m, scene.radius_m[shot.ids], shot.camera)
+    triangles = np.array([len(mesh.faces) for mesh in geometry], dtype=np.int64)
+    coarsest = scene.types.levels.start[1:][scene.type_index[shot.ids]] - 1
+    while True:
+        next_row = np.minimum(row + 1, coarsest)
+        coarser = (next_row > row) & (triangles[next_row] >= most_per_px * area_px)
+        if not coarser.any():
+            return row, int(triangles[row].sum())
+        row = np.where(coarser, next_row, row)
+
+
+def node_triangles(
+    shot: Snapshot, geometry: Geometry, row: IntArray | None = None
+) -> Iterator[tuple[FloatArray, IntArray]]:
     """Yield corners (n, 3, 3) in camera coordinates, and rows of the drawn nodes, (n,).
 
     Without geometry, nodes are octahedra in their spheres, or draped squares in those of a tree.
+
+    Parameters
+    ----------
+    row
+        Which mesh each drawn node is drawn with, (m,); None for that of its level.
     """
     if len(shot.ids) == 0:
         return
     if not geometry:
         yield _stand_ins(shot)
         return
-    levels = shot.scene.types.levels
-    row, fraction = levels.position(shot.scene.type_index[shot.ids], shot.detail)
-    row = np.minimum(row + np.round(fraction).astype(np.int64), len(geometry) - 1)
+    if row is None:
+        row = _level_rows(shot, geometry)
     order = np.argsort(row, kind="stable")
     for level, start in zip(*np.unique(row[order], return_index=True), strict=True):
         mesh = geometry[int(level)]

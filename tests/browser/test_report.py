@@ -136,6 +136,58 @@ def test_the_raster_shows_the_policy_that_is_chosen(
     assert 1 < page.locator(f"#chart-objects-{at} .row").count() <= 40
 
 
+def test_worst_moments_are_pictures_that_the_legend_rules(
+    open_page: Open, url: str, compared: Compared
+) -> None:
+    """Each is drawn, says what it shows, fits any width, and goes and comes with its policy."""
+    page = open_page(url)
+    pictures = page.locator(".pictures img")
+    assert pictures.count() == len(compared.pictures) >= 3
+    for at in range(3):
+        picture = pictures.nth(at)
+        picture.scroll_into_view_if_needed()
+        assert picture.evaluate("e => e.complete && e.naturalWidth") == 640
+        assert picture.get_attribute("alt").startswith("What the camera saw at ")
+    across = {1280: 2, 768: 2, 400: 1}
+    for width, most in across.items():
+        page.set_viewport_size({"width": width, "height": 900})
+        boxes = [pictures.nth(at).bounding_box() for at in range(3)]
+        assert max(box["x"] + box["width"] for box in boxes) <= width
+        assert sum(box["y"] == boxes[0]["y"] for box in boxes) == most
+    button = page.locator(".legend .names button", has_text="full")
+    mine = page.locator(f".pictures figure[data-p='{button.get_attribute('data-p')}']")
+    assert mine.is_visible()
+    button.press("Enter")
+    assert not mine.is_visible()
+    button.press("Enter")
+    assert mine.is_visible()
+
+
+def test_what_was_predicted_stands_beside_what_was_charged(open_page: Open, url: str) -> None:
+    """Two charts and a table that sorts by the keyboard; that nobody measured is said."""
+    page = open_page(url)
+    section = page.locator("section", has=page.locator("h2", has_text="Predicted, simulated"))
+    assert section.locator(".plot").count() == 2
+    diagonal = section.locator("#chart-simulated path.rule").first.get_attribute("d")
+    assert diagonal == "M0 2000l20000 -2000"
+    assert "Measured: nothing in this record" in section.inner_text()
+    heading = section.locator("button.sort", has_text="simulated ms")
+    heading.press("Enter")
+    assert heading.locator("xpath=..").get_attribute("aria-sort") == "ascending"
+
+
+def test_every_section_is_said_in_a_sentence(open_page: Open, url: str) -> None:
+    """Below each heading of results stands what to take from it, but where captions say it.
+
+    No knob is tuned here, without which nothing is known of other machines.
+    """
+    heads = open_page(url).eval_on_selector_all(
+        "section > h2", "els => els.filter(e => !e.parentNode.querySelector("
+        "'.takeaway, .caption')).map(e => e.textContent)",
+    )  # fmt: skip
+    assert heads == ["How far the first rank stands", "Where the numbers come from"]
+
+
 def test_every_control_is_reached_by_the_keyboard(open_page: Open, url: str) -> None:
     """Tab goes through every button, picker, table and chart that takes a key, in order."""
     page = open_page(url)

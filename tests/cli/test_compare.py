@@ -84,6 +84,7 @@ def test_failed_policy_ends_with_1_and_everything_is_written(
         "runs.parquet",
         "scene.lodscene",
         "frames",
+        "moments",
         "study.json",
         "run-info.json",
     }

@@ -76,6 +76,17 @@ def test_switches_are_the_toggles_that_the_simulator_counts(walked: FrameLog) ->
     assert drawn[-1] == 2, "two objects were passed"
 
 
+def test_levels_of_a_frame_are_those_changed_last() -> None:
+    """Of three nodes one changes twice and one is hidden again; a frame sees none that comes."""
+    history = history_of([[(0, 2), (1, 1)], [], [(0, 0), (1, HIDDEN)], [(2, 3)]])
+    assert [history.at(frame, 3).tolist() for frame in range(4)] == [
+        [2, 1, HIDDEN],
+        [2, 1, HIDDEN],
+        [0, HIDDEN, HIDDEN],
+        [0, HIDDEN, 3],
+    ]
+
+
 def test_levels_come_back_from_a_file(walked: FrameLog, tmp_path: Path) -> None:
     """Nodes, levels and the camera are read to the bit, and equal logs are equal files."""
     for name in ("a.parquet", "b.parquet"):

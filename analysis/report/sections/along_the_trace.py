@@ -6,28 +6,45 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....base.arrays import FloatArray
+from ...metrics.budget import over_budget_time_fraction
 from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Paragraph
+from ..palette import Ink
 from ..plots import Axis, Plot, Plots, Rule, Scale, line_of
 from ..results import Results, section
 from ..series import envelope
+from ..values import counted, format_value
 
 _BUCKETS = 500
 _BIN_S = 0.5
 _MOST = 2.0
 """Work that is drawn, in budgets."""
 TIME = "time of the path, s"
+_ANYBODY = Ink("", "solid", "")
 LINK = "time"
 """Plots along the first path are zoomed together."""
 
 
-@section("Along the first path")
+def _in_short(results: Results) -> str:
+    over = {p.label: over_budget_time_fraction(results.first_path(p.label)) for p in results.drawn}
+    first = over[results.first.label]
+    if first is None:
+        return ""
+    never = sum(share == 0.0 for share in over.values())
+    return (
+        f"{results.first.label} is over the budget for {format_value(first, percent=True)} % of "
+        f"the time of this path; {never} of {counted(len(over), 'policy', 'policies')} never."
+    )
+
+
+@section("Along the first path", takeaway=_in_short)
 def along_the_trace(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """Every chart along the path is zoomed with the others.
 
-    Where frames are too many to draw, minima and maxima are kept.  Work is drawn up to twice the
-    budget, lag and error up to twice the middle policy's: what lies above leaves the plot.
-    Switches are on a scale of square roots.
+    Where frames are too many to draw, minima and maxima are kept.  Load is the GPU time that full
+    detail of what is in view would take: it is the path's, whatever a policy does.  Work is drawn
+    up to twice the budget, lag and error up to twice the middle policy's: what lies above leaves
+    the plot.  Switches are on a scale of square roots.
     """
     if not results.drawn:
         return (Paragraph("Nothing to draw in this run.", "dim"),)
@@ -54,6 +71,7 @@ class _Panel:
 def _plots(results: Results) -> Iterator[Plot]:
     runs = {p.label: MeasuredFrames(results.logs[p.label]) for p in results.drawn}
     x, budget = time_axis(results), results.comparison.budget_ms
+    yield _load(runs[results.first.label], x)
     for panel in _PANELS:
         series = {label: panel.series(run) for label, run in runs.items()}
         judged = panel.name == "work"
@@ -69,6 +87,15 @@ def _plots(results: Results) -> Iterator[Plot]:
         yield Plot(
             panel.name, panel.title, x, y, lines, rules=rules, height_px=height_px, link=LINK
         )
+
+
+def _load(run: MeasuredFrames, x: Axis) -> Plot:
+    """Return what is in view at full detail; no policy's, so that no click hides it."""
+    load_ms = run["full_gpu_ms"]
+    y = Axis("load, ms", 0.0, 1.1 * max(float(np.nanmax(load_ms, initial=0.0)), 1e-6))
+    line = line_of(_ANYBODY, (x, y), envelope(run.time_s, load_ms, _BUCKETS))
+    title = "Load: GPU time of all that is in view, at full detail"
+    return Plot("load", title, x, y, [line], height_px=110, link=LINK)
 
 
 def _work(run: MeasuredFrames) -> tuple[FloatArray, FloatArray]:

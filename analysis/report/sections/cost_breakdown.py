@@ -15,7 +15,21 @@ _LEAST_MS = 0.01
 """A term that costs less in every policy's mean frame has no column."""
 
 
-@section("What costs what")
+def _in_short(results: Results) -> str:
+    """Return what costs most in a mean frame of the first of the answer, on its longer side."""
+    mean = mean_ms(results, results.first.label)
+    side = "gpu" if mean["gpu"] >= mean["cpu"] else "cpu"
+    terms = {name: ms for name, ms in mean.items() if name.startswith(f"{side} ")}
+    most = max(terms, key=terms.__getitem__)
+    name = most.removeprefix(f"{side} ").replace("_", " ")
+    name = "what every frame costs" if name == "constant" else name
+    return (
+        f"Of the {format_value(mean[side])} ms of {side.upper()} time in a mean frame of "
+        f"{results.first.label} most, {format_value(terms[most])} ms, is for {name}."
+    )
+
+
+@section("What costs what", takeaway=_in_short)
 def cost_breakdown(results: Results) -> tuple[Table] | tuple[Paragraph]:
     """Milliseconds of a mean frame of the first path, by time, by what they are charged for.
 
@@ -51,7 +65,7 @@ def cost_breakdown(results: Results) -> tuple[Table] | tuple[Paragraph]:
 
 def mean_ms(results: Results, label: str) -> dict[str, float]:
     """Return the mean over time of each side, of each of its terms, and of what is left."""
-    run = MeasuredFrames(results.logs[label], *results.comparison.window_s[0])
+    run = results.first_path(label)
     weight = run.cost_weight_ms
     if not weight.any():
         weight = np.ones(len(run))

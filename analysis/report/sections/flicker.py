@@ -3,11 +3,13 @@
 import numpy as np
 
 from ....base.arrays import BoolArray, FloatArray
+from ...metrics.flicker import visible_pops_per_s
 from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Paragraph
 from ..names import short_name
 from ..plots import HIGH, WIDE, Axis, Line, Plot, Plots, Row
 from ..results import Results, section
+from ..values import format_value
 from .along_the_trace import LINK, time_axis
 
 _BIN_S = 0.1
@@ -16,7 +18,20 @@ _FROM_PER_S = (0.0, 10.0, 50.0, 200.0)
 """Visible pops a second above which each shade begins."""
 
 
-@section("When switches are seen")
+def _in_short(results: Results) -> str:
+    pops = {p.label: visible_pops_per_s(results.first_path(p.label)) for p in results.drawn}
+    known = {label: per_s for label, per_s in pops.items() if per_s is not None}
+    first = results.first.label
+    if first not in known:
+        return ""
+    most = max(known, key=known.__getitem__)
+    text = f"{first} shows {format_value(known[first])} visible pops a second on this path"
+    if known[most] == known[first]:
+        return f"{text}, and nobody more."
+    return f"{text}; {most}, which shows most, {format_value(known[most])}."
+
+
+@section("When switches are seen", takeaway=_in_short)
 def flicker(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """Each row is a policy along the first path, zoomed with the charts above.
 

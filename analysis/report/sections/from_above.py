@@ -3,21 +3,34 @@
 import numpy as np
 
 from ....base.arrays import FloatArray
-from ...metrics.measured_frames import MeasuredFrames
 from ..blocks import Paragraph
 from ..names import short_name
 from ..palette import Ink
 from ..plots import Axis, Mark, Plot, Plots, line_of
 from ..results import Results, section
 from ..series import thinned
-from ..values import format_value
+from ..values import counted, format_value
 
 _POINTS = 800
 _SHARE = 1.12
 """Of the path's extent that the plot shows."""
+_ABOUT_S = 0.5
+"""Two moments closer than this are about the same place."""
 
 
-@section("The first path from above")
+def _in_short(results: Results) -> str:
+    """Return when the first of the answer did most work, and how many others did about then."""
+    when_s: list[float] = []
+    for policy in results.drawn:
+        run = results.first_path(policy.label)
+        when_s.append(float(run.time_s[run.work_ms.argmax()]))
+    near = sum(abs(time_s - when_s[0]) <= _ABOUT_S for time_s in when_s[1:])
+    others = counted(len(when_s) - 1, "other policy", "other policies")
+    text = f"{results.first.label} did most work {when_s[0]:.2f} s into this path"
+    return f"{text}; {near} of {others} within {_ABOUT_S:g} s of it." if near else f"{text}."
+
+
+@section("The first path from above", takeaway=_in_short)
 def from_above(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """Each point on the camera's way is where a policy did most work; it begins at the grey one."""
     if not results.drawn:
@@ -45,7 +58,7 @@ def _worst(results: Results, axes: tuple[Axis, Axis]) -> list[Mark]:
     """Return where on the first path each policy did most work in what is judged of it."""
     marks: list[Mark] = []
     for policy in results.drawn:
-        run = MeasuredFrames(results.logs[policy.label], *results.comparison.window_s[0])
+        run = results.first_path(policy.label)
         at = int(run.work_ms.argmax())
         most = f"{format_value(float(run.work_ms[at]))} ms at {run.time_s[at]:.2f} s"
         words = f"{short_name(policy.label)}: {most}"

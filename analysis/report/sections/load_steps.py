@@ -10,7 +10,7 @@ from ..blocks import Cell, Paragraph, Table
 from ..plots import Axis, Line, Plot, Plots, Rule, line_of
 from ..results import Results, section
 from ..series import envelope
-from ..values import ABSENT, format_value
+from ..values import ABSENT, counted, format_value
 
 _BUCKETS = 150
 _BEFORE_S, _AFTER_S = 0.25, 1.5
@@ -21,7 +21,25 @@ _BOUND = ">"
 """Stands before a value that is a lower bound."""
 
 
-@section("After a step in load")
+def _in_short(results: Results) -> str:
+    """Return whose work overshoots least and most, of who met most steps."""
+    most = max((len(policy.steps) for policy in results.drawn), default=0)
+    if not most:
+        return ""
+    means = {
+        policy.label: sum(step.overshoot_ratio for step in policy.steps) / most
+        for policy in results.drawn
+        if len(policy.steps) == most
+    }
+    least, worst = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
+    text = f"After {counted(most, 'step')} in load the work of {least} rises to "
+    text += f"{format_value(means[least])} × the budget{' on average' * (most > 1)}"
+    if worst == least:
+        return f"{text}."
+    return f"{text}, the least; that of {worst} to {format_value(means[worst])} ×, the most."
+
+
+@section("After a step in load", takeaway=_in_short)
 def load_steps(results: Results) -> tuple[Paragraph] | tuple[Plots, Table]:
     """On the first path, work time over the budget, about each of the largest steps: up to six.
 

@@ -22,7 +22,24 @@ _MOST_STRETCHES = 4_000
 _ANYBODY = Ink("", "", "")
 
 
-@section("Which objects switch")
+def _in_short(results: Results) -> str:
+    log = results.logs[results.first.label]
+    scene, levels = results.scene, log.levels
+    if scene is None or levels is None or not len(levels):
+        return ""
+    count = _switches(levels, scene)
+    where = "on this path"
+    if len(levels) < len(log):
+        where = f"in the first {_end_s(log, levels):.4g} s of this path"
+    text = f"Under {results.first.label} {np.count_nonzero(count)} of {len(scene):,} objects switch"
+    if not count.any():
+        return f"{text} {where}."
+    node = int(count.argmax())
+    times = counted(int(count[node]), "time")
+    return f"{text} {where}; {_name(scene, node)} most often, {times}."
+
+
+@section("Which objects switch", takeaway=_in_short)
 def object_levels(results: Results) -> tuple[Choice | Paragraph, ...]:
     """Each row is an object along the first path, coloured by the level at which it is drawn.
 
@@ -68,8 +85,7 @@ class _Shades:
 
 def _raster(chart: str, log: FrameLog, levels: LevelHistory, shades: _Shades, x: Axis) -> Plot:
     time_s = 1e-9 * log["input_ns"].astype(np.float64)
-    switched = levels.node[levels.switches(shades.scene)]
-    count = np.bincount(switched, minlength=len(shades.scene))
+    count = _switches(levels, shades.scene)
     first = np.argsort(-count, kind="stable")[:_OBJECTS]
     rows: list[Row] = []
     room = _MOST_STRETCHES
@@ -81,7 +97,7 @@ def _raster(chart: str, log: FrameLog, levels: LevelHistory, shades: _Shades, x:
         frame, level = levels.frame[mine], levels.level[mine]
         ends = np.append(frame[1:], len(levels) - 1)
         times = x.place(time_s[frame]), x.place(time_s[ends])
-        name = f"{short_name(shades.scene.types.names[shades.scene.type_index[node]])} {node}"
+        name = _name(shades.scene, node)
         hint = f"{name}: {counted(int(count[node]), 'switch', 'switches')}"
         rows.append(Row(_ANYBODY, f"{name} · {count[node]}", _stretches(node, level, times, shades),
                         hint))  # fmt: skip
@@ -90,10 +106,24 @@ def _raster(chart: str, log: FrameLog, levels: LevelHistory, shades: _Shades, x:
     )
     title += f" that {'switches' if (count > 0).sum() == 1 else 'switch'}"
     if len(levels) < len(log):
-        title += f"; the record ends at {time_s[len(levels) - 1]:.4g} s, where it is full"
+        title += f"; the record ends at {_end_s(log, levels):.4g} s, where it is full"
     if not rows:
         title = "No object switches"
     return Plot(chart, title, x, Axis("", 0.0, 0.0), rows=rows, link=LINK, shaded=True)
+
+
+def _end_s(log: FrameLog, levels: LevelHistory) -> float:
+    """Return when the last frame began whose levels are kept."""
+    return 1e-9 * float(log["input_ns"][len(levels) - 1])
+
+
+def _switches(levels: LevelHistory, scene: Scene) -> IntArray:
+    """Return how often each node switches, (N,)."""
+    return np.bincount(levels.node[levels.switches(scene)], minlength=len(scene))
+
+
+def _name(scene: Scene, node: int) -> str:
+    return f"{short_name(scene.types.names[int(scene.type_index[node])])} {node}"
 
 
 def _stretches(

@@ -17,7 +17,7 @@ from ..summary import (
     unscored,
 )
 from ..terminal_table import explain
-from ..values import ABSENT
+from ..values import ABSENT, counted
 
 _KEEPS = "Probability that work time is within the budget on such paths; judged paths it kept"
 _FIRST = "Probability of coming first on another such set of paths"
@@ -25,7 +25,19 @@ _BEHIND = "What told a policy from the rank before"
 _BY = "Work time at the judged quantile, over the budget"
 
 
-@section("Ranking")
+def _in_short(results: Results) -> str:
+    contenders = [policy for policy in results.drawn if not policy.oracle]
+    ranked = [policy for policy in contenders if policy.rank is not None]
+    text = f"{len(ranked)} of {counted(len(contenders), 'policy', 'policies')} surely "
+    text += "keep the budget" if len(ranked) != 1 else "keeps the budget"
+    first = [policy.label for policy in ranked if policy.rank == 1]
+    if not first:
+        return f"{text}."
+    shared = ", ".join(first[1:])
+    return f"{text}; the first rank is {first[0]}'s{f', shared with {shared}' * bool(shared)}."
+
+
+@section("Ranking", takeaway=_in_short)
 def ranks(results: Results) -> tuple[Block, ...]:
     """Who keeps the budget, by what can be seen.
 

@@ -6,10 +6,12 @@ import numpy as np
 
 from ....base.arrays import FloatArray
 from ...metrics.measured_frames import MeasuredFrames
+from ...metrics.over_time import time_quantile
 from ..blocks import Paragraph
 from ..plots import Axis, Line, Plot, Plots, Rule, line_of
 from ..results import Results, section
 from ..series import stairs, tail
+from ..values import format_value
 
 _POINTS = 250
 _LEAST_PCT = 0.1
@@ -17,7 +19,23 @@ _LEAST, _MOST = 0.05, 5.0
 """Times that are drawn, in budgets."""
 
 
-@section("How slow the slow frames are")
+def _in_short(results: Results) -> str:
+    share = 1.0 - results.comparison.miss
+    runs = {p.label: results.first_path(p.label) for p in results.drawn}
+    found = {at: time_quantile(run.work_ms, run.cost_weight_ms, share) for at, run in runs.items()}
+    known = {label: work_ms for label, work_ms in found.items() if work_ms is not None}
+    first = results.first.label
+    if first not in known:
+        return ""
+    text = f"For {100.0 * share:g} % of the time {first} works {format_value(known[first])} ms a "
+    text += "frame or less"
+    slowest = max(known, key=known.__getitem__)
+    if known[slowest] == known[first]:
+        return f"{text} on this path, and nobody longer."
+    return f"{text} on this path; {slowest}, the slowest, {format_value(known[slowest])} ms."
+
+
+@section("How slow the slow frames are", takeaway=_in_short)
 def slow_frames(results: Results) -> tuple[Plots] | tuple[Paragraph]:
     """On the first path, the share of time in frames that take so long or longer; both logarithmic.
 

@@ -71,7 +71,7 @@ def _switches_over_error(results: Results) -> Plot:
     return Plot(
         "switches", "Switches that are seen against picture error", x, y, [*leaders, *lines],
         marks, labels, height_px=height_px,
-        caption="The lower left corner draws the finest picture with the fewest switches.",
+        caption=_fewest(results),
     )  # fmt: skip
 
 
@@ -135,3 +135,20 @@ def _caption(results: Results) -> str:
     if finest is not ranked[0]:
         text += f"; {ranked[0].label}, the first of the ranking, has {format_value(known[0][0])} px"
     return results.words(f"{text}.")
+
+
+def _fewest(results: Results) -> str:
+    """Return who switches least to be seen, of those that surely keep the budget."""
+    known = [
+        (pops, policy.label)
+        for policy in results.drawn
+        if policy.rank is not None and (pops := policy.value_of("visible_pops_per_s")) is not None
+    ]
+    corner = "The lower left corner draws the finest picture with the fewest switches"
+    if not known:
+        return f"{corner}."
+    pops, fewest = min(known, key=lambda pair: pair[0])
+    return results.words(
+        f"{corner}; of those that surely keep the budget {fewest} has fewest, "
+        f"{format_value(pops)} visible pops a second."
+    )

@@ -42,8 +42,9 @@ for (const c of choices) c.addEventListener("change", () => { choose(c, c.select
 
 /* One legend rules all plots: a style sheet hides and fades by the number of the policy. */
 function paint() {
-  const rules = [...hidden].map((p) => `.plot [data-p="${p}"]{display:none}`);
-  if (hot !== null && !hidden.has(hot)) rules.push(`.plot [data-p]:not([data-p="${hot}"]){opacity:.12}`);
+  const drawn = ":is(.plot,.pictures)";
+  const rules = [...hidden].map((p) => `${drawn} [data-p="${p}"]{display:none}`);
+  if (hot !== null && !hidden.has(hot)) rules.push(`${drawn} [data-p]:not([data-p="${hot}"]){opacity:.12}`);
   off.textContent = rules.join("");
   for (const b of names) b.setAttribute("aria-pressed", String(!hidden.has(b.dataset.p)));
   for (const plot of all(".plot")) spread(plot);
