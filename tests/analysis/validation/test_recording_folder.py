@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lodbench.analysis.fit.drift import without_drift
 from lodbench.analysis.validation.recorded_frames import Measured, measured_of
 from lodbench.analysis.validation.recording_folder import (
     case_folders,
@@ -17,6 +18,7 @@ from lodbench.analysis.validation.recording_folder import (
 from lodbench.analysis.validation.recordings import Recorded
 from lodbench.base.errors import InputError
 from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.traces.logs.render_log import RenderLog
 
 LABELS = ["full", "feedback"]
 
@@ -52,10 +54,26 @@ def test_recordings_come_back_as_they_were(item: Recorded, tmp_path: Path) -> No
         assert np.array_equal(got.frames.times_ns, expected.frames.times_ns)
     measured = measured_of(found.policies["full"][1])
     assert measured.reference_ms is not None
-    assert measured.reference_ms[0] == pytest.approx(1.5)  # of before and after
+    ran = np.linspace(1.5, 2.5, len(measured.reference_ms))  # of before and after
+    assert measured.reference_ms[4:-4] == pytest.approx(ran[4:-4])  # nine about each: a line stays
     assert measured.lag_ms is not None
     assert measured.lag_ms[-1] == pytest.approx(12.0)
     assert measured.counts["shaded_samples"][0] == 9.0
+
+
+def test_a_validation_divides_by_what_a_fit_divides_by(item: Recorded) -> None:
+    """References with 20 % of noise and one that is missing: to the fit's own slowness."""
+    rng = np.random.default_rng(0)
+    noisy = 1.0 + 0.2 * rng.standard_normal(len(item.frames))
+    noisy[7] = np.nan
+    only = {"reference_before_ms": noisy, "reference_after_ms": noisy}
+    measured = measured_of(replace(item, columns=item.columns | only))
+    assert measured.reference_ms is not None
+    ones = np.ones(len(noisy))
+    log = RenderLog("run", "csv", ("triangles",), ones[:, None], frame_ms=ones, recorded=only)
+    fitted = 1.0 / without_drift(log, "frame_ms")[0].time("frame_ms")
+    assert measured.reference_ms / np.median(measured.reference_ms) == pytest.approx(fitted)
+    assert measured.reference_ms.std() < 0.5 * 0.2
 
 
 def test_a_recording_of_something_else_is_refused(item: Recorded, tmp_path: Path) -> None:
