@@ -1,22 +1,28 @@
 """Recordings in a folder: what is written comes back, and what is missing is named."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from lodbench.analysis.fit.drift import without_drift
+from lodbench.analysis.validation import replays
 from lodbench.analysis.validation.recorded_frames import Measured, measured_of
 from lodbench.analysis.validation.recording_folder import (
     case_folders,
     find_recordings,
+    forget_recordings,
     read_recordings,
     write_recording,
 )
 from lodbench.analysis.validation.recordings import Recorded
-from lodbench.base.errors import InputError
+from lodbench.base.errors import InputError, PolicyError
 from lodbench.models.machine.hardware import HardwareProfile
 from lodbench.traces.logs.render_log import RenderLog
 
@@ -91,5 +97,41 @@ def test_a_recording_of_something_else_is_refused(item: Recorded, tmp_path: Path
 
 
 def test_folders_of_cases_are_distinct() -> None:
-    """Two cases of one name have two folders."""
+    """Two cases of one name have two folders, and none that of a case that is called so."""
     assert case_folders(["a b", "c", "a b"]) == ["a_b", "c", "a_b-3"]
+    assert case_folders(["a", "a", "a-2"]) == ["a", "a-3", "a-2"]
+    assert len({name.lower() for name in case_folders(["a-2", "a", "A", "a", "a-4", "a-2"])}) == 6
+
+
+def test_a_policy_that_fails_when_it_is_recorded_again_has_no_recording(
+    item: Recorded, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was written of it is gone, and the other policy's two stay."""
+    recorded = list[str]()
+
+    class Failing:
+        """A recorder on which feedback fails the second time."""
+
+        def record(self, label: str, *_: object, **__: object) -> Recorded:
+            """Record, or fail."""
+            recorded.append(label)
+            if recorded.count("feedback") == 2:
+                raise PolicyError("feedback", 3, "it fails")
+            return item
+
+    monkeypatch.setattr(replays, "open_recorder", lambda *_: nullcontext(Failing()))
+    folder, some = tmp_path / "case", SimpleNamespace
+    hardware: Any = some(display=some(width_px=1, height_px=1))
+    case: Any = (None, None, hardware, None, None)
+    found = replays.record_all(
+        LABELS,
+        *case,
+        2,
+        on_recorded=partial(write_recording, folder, LABELS),
+        on_failed=partial(forget_recordings, folder, LABELS),
+    )
+    assert recorded == ["full", "feedback"] * 2
+    assert found.failed == {"feedback": "policy feedback, frame 3: it fails"}
+    assert (list(found.policies), len(found.policies["full"])) == (["full"], 2)
+    assert len(list(folder.rglob("*full*.parquet"))) == 4
+    assert not list(folder.rglob("*feedback*"))
