@@ -119,14 +119,15 @@ def test_a_policy_that_fails_when_it_is_recorded_again_has_no_recording(
                 raise PolicyError("feedback", 3, "it fails")
             return item
 
-    monkeypatch.setattr(replays, "open_recorder", lambda *_: nullcontext(Failing()))
-    folder, some = tmp_path / "case", SimpleNamespace
-    hardware: Any = some(display=some(width_px=1, height_px=1))
-    case: Any = (None, None, hardware, None, None)
+    def opened(*_: object) -> Any:
+        return nullcontext(Failing())
+
+    monkeypatch.setattr(replays, "open_recorder", opened)
+    folder, screen = tmp_path / "case", SimpleNamespace(width_px=1, height_px=1)
+    nothing: Any = None
+    hardware: Any = SimpleNamespace(display=screen)
     found = replays.record_all(
-        LABELS,
-        *case,
-        2,
+        *(LABELS, nothing, nothing, hardware, nothing, nothing, 2),
         on_recorded=partial(write_recording, folder, LABELS),
         on_failed=partial(forget_recordings, folder, LABELS),
     )
