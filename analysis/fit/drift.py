@@ -4,6 +4,7 @@
 does the frame, whatever is drawn: dividing by it leaves what the frame itself costs.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -37,11 +38,12 @@ def without_drift(log: RenderLog, name: TimeName) -> tuple[RenderLog, Drift | No
 
     The log itself and None where it has no reference draws.
     """
-    draws = [log.recorded[name] for name in REFERENCES if name in log.recorded]
-    if not draws:
-        return log, None
     order = drawing_order(log)
-    slowness = _relative(log, np.mean(draws, axis=0), order)
+    ran_ms = running_reference_ms(log.recorded, order)
+    if ran_ms is None:
+        return log, None
+    first = log.recorded.get("pass", np.zeros(len(log))) == 0.0
+    slowness = ran_ms / float(np.median(ran_ms[first] if first.any() else ran_ms))
     drawn = slowness[order]
     half = len(drawn) // 2
     low, high = np.quantile(drawn, (0.05, 0.95)).tolist()
@@ -59,18 +61,31 @@ def drawing_order(log: RenderLog) -> NDArray[np.int64]:
     return np.lexsort((at, again)).astype(np.int64)
 
 
-def _relative(log: RenderLog, draw_ms: FloatArray, order: NDArray[np.int64]) -> FloatArray:
-    """Return reference times, smoothed in order of drawing, over their median in the first pass."""
+def running_reference_ms(
+    recorded: Mapping[str, FloatArray], order: NDArray[np.int64] | None = None
+) -> FloatArray | None:
+    """Return how long the reference draw took about each frame, (n,) ms; None if nothing says so.
+
+    The mean of the draws before and after a frame, and of that the running median over frames in
+    order of drawing.
+
+    Parameters
+    ----------
+    recorded : columns by name
+    order : (n,) rows in order of drawing; None where they stand in it
+    """
     from scipy.ndimage import median_filter
 
+    draws = [recorded[name] for name in REFERENCES if name in recorded]
+    draw_ms: FloatArray = np.mean(draws, axis=0) if draws else np.empty(0)
     good = np.isfinite(draw_ms) & (draw_ms > 0.0)
     if not good.any():
-        return np.ones(len(log))
+        return None
+    if order is None:
+        order = np.arange(len(draw_ms))
     known = order[good[order]]
     smooth: Any = median_filter(draw_ms[known], _NEIGHBOURS, mode="nearest")
     # A frame without a reference is between its neighbours in time.
-    place = np.empty(len(log))
-    place[order] = np.arange(len(log))
-    ran = np.interp(place, place[known], np.asarray(smooth, dtype=np.float64))
-    first = log.recorded.get("pass", np.zeros(len(log))) == 0.0
-    return ran / float(np.median(ran[first] if first.any() else ran))
+    place = np.empty(len(draw_ms))
+    place[order] = np.arange(len(draw_ms))
+    return np.interp(place, place[known], np.asarray(smooth, dtype=np.float64))

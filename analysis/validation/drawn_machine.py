@@ -3,8 +3,10 @@
 A profile that was fitted to whole frames charges all of a frame to the GPU, and what Python takes
 to cull, to decide and to keep accounts is no cost of the machine's.  Where frames overlap both
 matter: the device works on one frame while the next is prepared and submitted.  So here the CPU
-takes what it took in the recording, and the GPU that part of a frame's price which the device
-needed after the submission.
+takes what it took in the recording.  The GPU takes the price of a frame times one factor: that by
+which all of them together took the device as long as they did after their submission.  A price
+is of frames that are waited for, and beside each other both halves are slower: on two cores of
+llvmpipe, by a third.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,10 +42,9 @@ def as_drawn(
         return deep
     submitted_ms = np.concatenate(submit_ms)
     worked_ms = np.concatenate([np.asarray(item.frames["gpu_ms"]) for item in items])
-    # A profile that has a CPU of its own has the submission there, and not in the GPU's price.
-    apart = bool(hardware.cpu.base_ms or hardware.cpu.linear_ms.any())
-    # Sums, since two frames that are found complete at one look share what both of them took.
-    left = 1.0 if apart else float(worked_ms.sum() / (worked_ms.sum() + submitted_ms.sum()))
+    priced_ms = np.concatenate([hardware.gpu.counted_ms(item.counts) for item in items])
+    # Of sums, since a price is of the mean frame.
+    left = float(worked_ms.sum() / priced_ms.sum()) if priced_ms.any() else 1.0
     log_ms = np.log(np.concatenate(prepare_ms) + submitted_ms)
     return replace(
         deep,

@@ -12,7 +12,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.errors import InputError
 from ...sim.frame_log import FrameLog
-from ...traces.logs.render_log import REFERENCES
+from ..fit.drift import running_reference_ms
 from ..metrics.measured_frames import MeasuredFrames
 from ..metrics.metric_registry import METRICS
 from ..metrics.over_time import time_mean, time_quantile
@@ -30,7 +30,7 @@ class Measured:
     counts : dict of str to (n,) float64
         What was drawn, by GPU predictor; ``shaded_samples`` as the simulator counts them.
     reference_ms : (n,) float64 or None
-        Time of the reference drawing beside each frame.
+        Time of the reference drawing about each frame, as a fit takes it too.
     lag_ms : (n,) float64 or None
         From the frame's input sample until the device was done with it, where that was measured.
     prepare_ms, submit_ms : (n,) float64 or None
@@ -49,11 +49,10 @@ class Measured:
 def measured_of(recorded: Recorded) -> Measured:
     """Return a recording with its counts under the names of the cost model."""
     columns = recorded.columns
-    reference = [columns[name] for name in REFERENCES if name in columns]
     return Measured(
         recorded.frames,
         columns | {"shaded_samples": columns["projected_px"]},
-        np.mean(reference, axis=0) if reference else None,
+        running_reference_ms(columns),
         columns.get("lag_ms"),
         columns.get("prepare_ms"),
         columns["cpu_ms"] if "prepare_ms" in columns else None,

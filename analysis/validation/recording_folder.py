@@ -26,9 +26,13 @@ _AGAIN = "again-"
 
 def case_folders(names: Sequence[str]) -> list[str]:
     """Return a folder's name for each path, distinct on every file system."""
-    numbered = [
-        name if names.index(name) == at else f"{name}-{at + 1}" for at, name in enumerate(names)
-    ]
+    numbered: list[str] = []
+    for at, name in enumerate(names):
+        own, number = name, at + 1
+        # Another case may be called as this one's number would have it.
+        while own in numbered or (own != name and own in names):
+            own, number = f"{name}-{number}", number + 1
+        numbered.append(own)
     found = frame_log_names(numbered)
     return [found[name].removesuffix(".parquet") for name in numbered]
 
@@ -42,6 +46,14 @@ def write_recording(
         (folder / kind).mkdir(parents=True, exist_ok=True)
     write_frame_log(folder / _MEASURED / name, item.frames)
     write_log(folder / _RENDERED / name, item.columns, item.header)
+
+
+def forget_recordings(folder: Path, labels: Sequence[str], label: str) -> None:
+    """Remove what was written of a policy that failed later: one pass of it is no recording."""
+    name = frame_log_names(list(labels))[label]
+    for kind in (_MEASURED, _RENDERED):
+        for prefix in ("", _AGAIN):
+            (folder / kind / f"{prefix}{name}").unlink(missing_ok=True)
 
 
 def find_recordings(folder: Path) -> Path:

@@ -19,6 +19,7 @@ from ...render.gl.frames_in_flight import FlightMachine, record_in_flight
 from ...render.gl.image_comparison import PictureDifference, PictureFolder, PictureMachine
 from ...render.gl.measures.fences import Fences
 from ...render.gl.measures.reference_draw import ReferenceDraw
+from ...render.gl.measures.timestamps import Timestamps
 from ...render.gl.opengl_machine import GlMachine
 from ...render.gl.recorder import Recording, check_policy, header_of, record
 from ...render.gl.renderer import Renderer
@@ -66,6 +67,7 @@ class Recorder:
             clock=clock,
         )
         self._fences = Fences(target.load)
+        self._timestamps = Timestamps(target.load, CLOCKS["wall"])
         self._reference = ReferenceDraw(target, clock)
 
     def record(
@@ -167,7 +169,7 @@ class Recorder:
             raise InputError(
                 f"--frames-in-flight: expected a policy whose frames nothing waits for, got {other}"
             )
-        machine = FlightMachine(self._renderer, self._fences)
+        machine = FlightMachine(self._renderer, self._fences, self._timestamps)
         told = None
         if progress is not None:
             told = _Told(machine, progress, options.frames, trace.duration_s)

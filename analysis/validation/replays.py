@@ -42,11 +42,13 @@ def record_all(
     passes: int,
     progress: Progress | None = None,
     on_recorded: OnRecorded | None = None,
+    on_failed: Callable[[str], None] | None = None,
 ) -> Recordings:
     """Record policies; one that breaks its contract fails by name, and the others go on.
 
     All policies are recorded before the first is recorded again, so that the second recordings
-    tell how the machine differs from itself some minutes later.
+    tell how the machine differs from itself some minutes later.  One that fails when it is recorded
+    again has no recording: `on_failed` is told, as its first may have been written.
 
     Raises `InputError` as `Recorder.record`.
     """
@@ -65,6 +67,8 @@ def record_all(
                     recorded = recorder.record(label, trace, hardware, options, progress=share)
                 except PolicyError as error:
                     failed[label] = str(error)
+                    if on_failed is not None:
+                        on_failed(label)
                     continue
                 found[label].append(recorded)
                 if on_recorded is not None:

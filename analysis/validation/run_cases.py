@@ -14,7 +14,12 @@ from ..study.runs import Progress, part_of
 from .drawn_machine import as_drawn
 from .record_options import RecordOptions
 from .recorded_frames import measured_of
-from .recording_folder import case_folders, read_recordings, write_recording
+from .recording_folder import (
+    case_folders,
+    forget_recordings,
+    read_recordings,
+    write_recording,
+)
 from .recordings import Recorded, conditions
 from .replays import Recordings, record_all
 from .replicates import simulate_all
@@ -137,6 +142,10 @@ def _recordings(
         if kept is not None:
             write_recording(kept / name, case.labels, label, again, recorded)
 
+    def forget(label: str) -> None:
+        if kept is not None:
+            forget_recordings(kept / name, case.labels, label)
+
     return record_all(
         case.labels,
         case.opened,
@@ -147,6 +156,7 @@ def _recordings(
         source.passes,
         progress,
         keep,
+        forget,
     )
 
 

@@ -63,6 +63,10 @@ def read_cases(path: Path) -> list[CaseSpec]:
         document.record(case, CaseSpec, f"case.{at}")
         for at, case in enumerate(cases)  # pyright: ignore[reportUnknownVariableType, reportUnknownArgumentType]
     ]
+    for at, case in enumerate(found):
+        if case.policies is not None and not case.policies:
+            message = "policies: expected one or more, got none; leave the key out for the default"
+            document.fail(f"case.{at}.policies", message)
     return [_beside(case, path.parent) for case in found]
 
 

@@ -182,9 +182,12 @@ def _knees(document: TomlDocument, tables: Any) -> list[Knee]:
             document, {"value": knee.value, "unit": knee.unit, "sd": knee.sd}, where
         )
         try:
-            knees.append(Knee(knee.predictor, knee.at, amount_ms))
+            found = Knee(knee.predictor, knee.at, amount_ms)
         except InputError as error:
             document.fail(where, error.message)
+        if found.name in [knee.name for knee in knees]:
+            document.fail(where, f"expected each knee once, got {found.name} again; leave one out")
+        knees.append(found)
     return knees
 
 

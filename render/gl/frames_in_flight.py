@@ -6,14 +6,14 @@ measured times in place of priced ones, and with its rule that a frame is in fli
 
 Nothing stops the clock: what Python takes to cull, to decide and to keep accounts is the CPU's part
 of a frame here.  Fences are looked at before and after each of these, and waited for only where the
-pipeline has to: of a device that is faster than the CPU, a frame may be complete some milliseconds
-before anyone looks, and its lag is an upper bound.
+pipeline has to.  A device that is faster than the CPU is done with a frame some milliseconds before
+anyone looks: when it was, its own timestamp says.
 """
 
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,7 @@ from ...sim.replay import ReplayOptions, replay
 from ...traces.cameras.camera_trace import CameraTrace
 from .draw_list import Frame
 from .measures.fences import Fences
+from .measures.timestamps import Timestamps
 from .opengl_machine import COUNTED, expected_units, no_collection, picture_of
 from .recorder import Recording, check_policy, logged_columns
 from .renderer import Renderer
@@ -43,6 +44,16 @@ _DOUBT = "frames overlap"
 _SAMPLES = COUNTED.index("shaded_samples")  # which are known after all that is counted
 
 
+@dataclass(frozen=True, slots=True)
+class _Flying:
+    """A frame in flight: its fence, timestamp and query of samples, and when it was prepared."""
+
+    fence: int
+    mark: int
+    query: "moderngl.Query"
+    prepared_ns: int
+
+
 class FlightMachine:
     """Submits each frame with a fence behind it, and waits for none.
 
@@ -53,12 +64,17 @@ class FlightMachine:
     """
 
     def __init__(
-        self, renderer: Renderer, fences: Fences, clock: Callable[[], int] = time.perf_counter_ns
+        self,
+        renderer: Renderer,
+        fences: Fences,
+        timestamps: Timestamps,
+        clock: Callable[[], int] = time.perf_counter_ns,
     ) -> None:
-        self._renderer, self._fences, self._clock = renderer, fences, clock
+        self._renderer, self._fences, self._timestamps = renderer, fences, timestamps
+        self._clock = clock
         self._origin_ns = clock()
         self.submitted_ns = 0
-        self._flying: deque[tuple[int, moderngl.Query]] = deque()  # fence and query of samples
+        self._flying: deque[_Flying] = deque()
         self._queries: list[moderngl.Query] = []  # that no frame in flight needs
         self._landed_ns: list[int] = []
         self._rows: list[tuple[float, ...]] = []
@@ -74,15 +90,19 @@ class FlightMachine:
         return self._clock() - self._origin_ns
 
     def landed(self, frames: int = 0) -> list[int]:
-        """Return when each frame so far was seen to be complete; wait until so many are."""
+        """Return when each frame so far was complete; wait until so many are."""
         while self._flying:
-            fence, query = self._flying[0]
-            if not self._fences.reached(fence, wait=len(self._landed_ns) < frames):
+            frame = self._flying[0]
+            if not self._fences.reached(frame.fence, wait=len(self._landed_ns) < frames):
                 break
-            self._landed_ns.append(self.now_ns())
+            seen_ns = self.now_ns()
+            reached_ns = self._timestamps.reached_ns(frame.mark) - self._origin_ns
+            # A device without a clock says 0, long before the frame was handed over.
+            known = reached_ns >= frame.prepared_ns
+            self._landed_ns.append(min(reached_ns, seen_ns) if known else seen_ns)
             self._flying.popleft()
-            self._samples.append(float(query.samples))
-            self._queries.append(query)
+            self._samples.append(float(frame.query.samples))
+            self._queries.append(frame.query)
         return self._landed_ns
 
     def begin(self) -> None:
@@ -101,7 +121,8 @@ class FlightMachine:
         prepared_ns = self.now_ns()
         with query:
             self._renderer.submit(ready, self._renderer.framebuffer(ready.size_px))
-        self._flying.append((self._fences.set(), query))
+        mark = self._timestamps.mark()
+        self._flying.append(_Flying(self._fences.set(), mark, query, prepared_ns))
         self.submitted_ns = self.now_ns()
         self.landed()
         counts = astuple(self._renderer.count(ready))
@@ -115,6 +136,7 @@ class FlightMachine:
         self._renderer.load_all()
         for _ in range(_WARMUP):
             self._renderer.draw(frame)
+        self._timestamps.synchronise()
         self._origin_ns += self._clock() - before_ns
 
     def rows(self, times_ns: NDArray[np.int64]) -> dict[str, FloatArray]:
@@ -172,9 +194,10 @@ class MeasuredPipeline(Pipeline):
     def _learn(self, landed_ns: list[int]) -> None:
         """Note what is complete; each frame goes to the device when the one before leaves it."""
         for frame in range(self.completed, len(landed_ns)):
-            end_ns = landed_ns[frame]
             free_ns = self.gpu_end_ns[frame - 1] if frame else 0
             self.gpu_start_ns[frame] = max(self.cpu_end_ns[frame], free_ns)
+            # It may be done while the last of a submission is handed over.
+            end_ns = max(landed_ns[frame], self.gpu_start_ns[frame])
             self.gpu_end_ns[frame] = self.display_ns[frame] = end_ns
         self.completed = len(landed_ns)
 

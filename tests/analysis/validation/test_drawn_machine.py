@@ -9,8 +9,9 @@ import pytest
 from lodbench.analysis.validation.drawn_machine import as_drawn
 from lodbench.analysis.validation.recorded_frames import Measured, frames_in_flight
 from lodbench.base.errors import InputError
-from lodbench.models.machine.cost import CpuCostModel
+from lodbench.models.machine.cost import CostModel
 from lodbench.models.machine.hardware import HardwareProfile
+from lodbench.sim.frame_log import COUNTS
 
 DEEP = {"frames_in_flight": "3"}
 
@@ -19,7 +20,7 @@ def test_the_gpu_keeps_what_the_submission_leaves(
     recorded: Callable[..., dict[str, tuple[Measured, ...]]],
     make_machine: Callable[..., HardwareProfile],
 ) -> None:
-    """Three times as long on the device as to submit: three quarters are left, in each draw too.
+    """Frames of 16 ms, of which the device works 12: three quarters are left, in each draw too.
 
     The CPU takes as long as it took to submit, and the 2 ms before, in mean and spread.
     """
@@ -28,8 +29,13 @@ def test_the_gpu_keeps_what_the_submission_leaves(
     n = len(item.frames)
     counts = {name: np.zeros(n) for name in item.counts} | {"triangles": np.full(n, 15_000.0)}
     assert hardware.gpu.counted_ms(counts)[0] == pytest.approx(16.0)
-    submit_ms = item.frames["gpu_ms"] / 3.0
-    item = replace(item, counts=counts, prepare_ms=np.full(n, 2.0), submit_ms=submit_ms)
+    worked = item.frames.counts.copy()
+    worked[:, COUNTS.index("gpu_ms")] *= 12.0 / worked[:, COUNTS.index("gpu_ms")].mean()
+    frames = replace(item.frames, counts=worked)
+    submit_ms = frames["gpu_ms"] / 3.0
+    item = replace(
+        item, frames=frames, counts=counts, prepare_ms=np.full(n, 2.0), submit_ms=submit_ms
+    )
     found = as_drawn(hardware, DEEP, [[item]])
     assert found.frames_in_flight == 3
     cpu_ms = 2.0 + submit_ms
@@ -40,8 +46,10 @@ def test_the_gpu_keeps_what_the_submission_leaves(
     assert found.posterior is not None
     assert hardware.posterior is not None
     assert found.posterior.linear_ms == pytest.approx(0.75 * hardware.posterior.linear_ms)
-    apart = replace(hardware, cpu=CpuCostModel.of(5.0, {}))
-    assert as_drawn(apart, DEEP, [[item]]).gpu.counted_ms(counts)[0] == pytest.approx(16.0)
+    free = {name: np.zeros(n) for name in counts}
+    nothing = replace(hardware, gpu=CostModel.of(0.0, {"triangles": 1.0}))
+    found = as_drawn(nothing, DEEP, [[replace(item, counts=free)]])
+    assert found.gpu.unit_ms("triangles") == 1.0  # no frame is priced: there is no factor
 
 
 def test_frames_that_are_waited_for_are_simulated_as_the_profile_has_them(

@@ -39,6 +39,10 @@ def test_a_name_too_long_for_a_file_is_a_name(tmp_path: Path) -> None:
         ('[[case]]\nscene = "a"\ntrace = "b"\nbudget = 1.0\n', "budget_ms"),
         ('[[case]]\nscene = "a"\ntrace = "b"\nbudget_ms = "x"\n', "expected"),
         ('[[cases]]\nscene = "a"\n', "case"),
+        (
+            '[[case]]\nscene = "a"\ntrace = "b"\npolicies = []\n',
+            "study.toml:4: policies: expected one or more, got none",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(text: str, message: str, tmp_path: Path) -> None:

@@ -107,5 +107,6 @@ def test_broken_knees_scatter_and_states_are_refused(old: str, new: str, says: s
 def test_knees_are_each_given_once():
     """Two knees of one predictor at one place would be one knee whose price nobody can tell."""
     knee = NEWER.split("[gpu.residual]", maxsplit=1)[0]
-    with pytest.raises(InputError, match="knees: expected each once"):
+    with pytest.raises(InputError, match="expected each knee once, got knee") as told:
         parse_profile(MINIMAL + knee + knee)
+    assert told.value.line == (MINIMAL + knee + knee).splitlines().index("[[gpu.knee]]") + 1 + 7

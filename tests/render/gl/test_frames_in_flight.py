@@ -1,5 +1,6 @@
 """Frames in flight: on a device by script against the pipeline by hand, and on a real one."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count, pairwise
@@ -19,6 +20,7 @@ from lodbench.policies.view import View
 from lodbench.render.gl.draw_list import Counts
 from lodbench.render.gl.frames_in_flight import FlightMachine, record_in_flight
 from lodbench.render.gl.measures.fences import Fences
+from lodbench.render.gl.measures.timestamps import Timestamps
 from lodbench.render.gl.recorder import Recording, recorded_hardware
 from lodbench.render.gl.renderer import Renderer
 from lodbench.sim.frame_log import TIMES
@@ -35,8 +37,8 @@ class World:
     one after another.  What comes before the first frame takes two seconds.
     """
 
-    def __init__(self, cpu_ms: float, gpu_ms: float) -> None:
-        self.now_ns = 5 * MS
+    def __init__(self, cpu_ms: float, gpu_ms: float, *, stamps: bool = True) -> None:
+        self.now_ns, self.stamps = 5 * MS, stamps
         self.prepare_ns, self.submit_ns = round(0.4 * cpu_ms * MS), round(0.6 * cpu_ms * MS)
         self.gpu_ns, self.done_ns = round(gpu_ms * MS), list[int]()
         self.context, self.samples = self, 0
@@ -78,6 +80,17 @@ class World:
         free_ns = max(self.now_ns, self.done_ns[-1] if self.done_ns else 0)
         self.done_ns.append(free_ns + self.gpu_ns)
         return len(self.done_ns) - 1
+
+    def synchronise(self) -> None:
+        """Have one clock."""
+
+    def mark(self) -> int:
+        """Mark the end of a frame, whose fence is set next."""
+        return len(self.done_ns)
+
+    def reached_ns(self, mark: int) -> int:
+        """Say when a frame was done; without a clock of its own the device says 0."""
+        return self.done_ns[mark] if self.stamps else 0
 
     def reached(self, fence: int, *, wait: bool) -> bool:
         """Wait for a fence, or look."""
@@ -122,7 +135,7 @@ def fly(
     """Return a function that records a policy in a world by script."""
 
     def recorded(world: Any, depth: int, policy: Policy | None = None) -> Recording:
-        machine = FlightMachine(world, world, world.clock)
+        machine = FlightMachine(world, world, world, world.clock)
         hardware = replace(recorded_hardware(make_hardware(), (100, 60)), frames_in_flight=depth)
         options = ReplayOptions(budget_ms=10.0, frames=FRAMES)
         scene = make_scene([(0.0, 0.0, -10.0)])
@@ -145,11 +158,15 @@ def test_lag_of_a_busy_device_grows_with_depth(fly: Any, depth: int) -> None:
 
 @pytest.mark.parametrize("depth", [2, 3, 4])
 def test_lag_of_a_busy_cpu_does_not(fly: Any, depth: int) -> None:
-    """A CPU of 10 ms before a device of 5: complete after 15, and seen when the next looks.
+    """A CPU of 10 ms before a device of 5: complete after 15, by the device's own clock.
 
-    The next frame prepares for 4 ms and submits for 6, and looks before and after the submission.
+    Without one a frame is complete when the next one looks, which prepares for 4 ms and submits for
+    6, and looks before and after the submission.
     """
     columns = fly(World(10.0, 5.0), depth).columns
+    assert columns["frame_ms"][1:-1] == pytest.approx(10.0)
+    assert columns["lag_ms"] == pytest.approx(15.0)
+    columns = fly(World(10.0, 5.0, stamps=False), depth).columns
     assert columns["frame_ms"][1:-1] == pytest.approx(10.0)
     assert columns["lag_ms"][:-1] == pytest.approx(20.0)  # at the end of the submission
     assert columns["lag_ms"][-1] == pytest.approx(15.0)  # the last one is waited for
@@ -197,7 +214,8 @@ def test_the_pipeline_of_a_real_device(
     """Whatever it takes: no more than F frames fly, and times are in order."""
     scene, geometry = plaza
     renderer = Renderer(target, scene, geometry, instancing=True)
-    machine = FlightMachine(renderer, Fences(target.load))
+    stamps = Timestamps(target.load, time.perf_counter_ns)
+    machine = FlightMachine(renderer, Fences(target.load), stamps)
     hardware = replace(recorded_hardware(llvmpipe, (64, 36)), frames_in_flight=depth)
     options = ReplayOptions(budget_ms=4.0, frames=12)
     policy = parse_policy("feedback").make()
