@@ -32,7 +32,7 @@ class Display:
     refresh_hz : refresh rate of vsync and mailbox; highest rate of vrr
     vrr_min_hz : lowest rate of vrr, below which the panel repeats a frame
     images : 2 or 3 images in the swapchain
-    pacing : "none", "limiter" or "just-in-time", see `sim.pacing`
+    pacing : "none", "limiter" or "just-in-time", see `sim.pipeline.pacing`
     limiter_hz : highest rate at which frames begin under "limiter"; 0 for that of the refresh
     latency_limit : frames begun and not yet shown, 1 to 16 at most; 0 for no limit
     width_px, height_px : viewport

@@ -20,7 +20,7 @@ class Feedback:
 
     Inside the dead band the bias rests; one step changes it by at most the rate limit.  A report
     that is missing, zero or negative is no time and moves nothing; those of a stuck timer
-    (`shared.reports`) do not raise detail.
+    (`shared.times.reports`) do not raise detail.
 
     Uses: work time of the newest completed frame, and what `static-screen` uses.
 

@@ -19,7 +19,7 @@ from .promise import Failure, promise
 from .watchers import FAULTS, faulty_timer
 
 _ROUNDING = 1e-9  # relative
-_CHANGES_UNTIL_STUCK = 2  # as `policies.shared.reports` has it
+_CHANGES_UNTIL_STUCK = 2  # as `policies.shared.times.reports` has it
 _HIDDEN = 0.01  # as there
 _EPSILON = 1e-6  # share of its benefit that a frame may lose with more budget
 
