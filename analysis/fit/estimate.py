@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import FloatArray
 from ...base.errors import InputError
-from .assessment.dependence import Dependence, Frames, dependence, rise_of
+from .assessment.dependence import Frames, dependence, rise_of
 from .assessment.posterior_predictive import Draws
 from .design import Design, design_of
 from .fit_frames import Sample
@@ -41,7 +41,6 @@ Model = Literal["student-t", "gaussian"]
 MANY_FRAMES = 20_000  # above, a likelihood that must visit each frame is taken to second order
 
 _AT_BOUND = 1e-6  # of the largest coefficient, up to which one is held by its bound
-_STANDS_OUT = 2.0  # deviations of chance
 _START = 0.7  # of the scale of a spread's prior, its median, where the search begins
 _KEPT = 1_000  # samples kept for predictions
 
@@ -134,29 +133,16 @@ def _stretched(
 ) -> tuple[LogPosterior, FloatArray]:
     """Return the posterior of frames that err alike, and its optimum.
 
-    It is stretched about where the frames alone have it, be that beyond a bound by chance: else the
-    slope at the bound would be taken for surer than the frames are.  Where no chance explains it
-    the terms are wrong, and what counts is by how much the fit within its bounds errs: it is
-    stretched about that, along the other coefficients.
+    It is stretched about where the frames alone have it, be that beyond a bound: else the slope at
+    the bound would be taken for surer than the frames are.
     """
     likelihood = posterior.likelihood
     free = _unbounded(likelihood, design, center)
     found = dependence(_frames(sample, design, free, likelihood))
-    held = _held(found, free[: len(design.names)], len(sample))
-    if held.any():
-        free = center
-        found = dependence(_frames(sample, design, center, likelihood).without(held))
-        found = found.among(~held)
     stretch = Stretch.of(found, free, likelihood)
     posterior = LogPosterior(likelihood, posterior.priors, stretch)
     inside = np.clip(stretch.moved, likelihood.low, likelihood.high)
     return posterior, highest(posterior, [inside])
-
-
-def _held(found: Dependence, scaled: FloatArray, frames: int) -> BoolArray:
-    """Return which coefficients are below 0 beyond what so many frames leave to chance, (K,)."""
-    sd = np.sqrt(found.along**2 @ found.times / frames)
-    return scaled < -_STANDS_OUT * sd
 
 
 def _unbounded(likelihood: Likelihood, design: Design, center: FloatArray) -> FloatArray:
@@ -240,18 +226,12 @@ def estimate(
 
 
 def _mean_kept(chain: Chain, sample: Sample, design: Design, likelihood: Likelihood) -> Chain:
-    """Return a chain whose mean has the mean frame's cost as it was measured, spikes aside."""
-    samples = chain.samples.copy()
-    samples[..., : len(design.names)] *= mean_factor(
-        sample, design, chain.flat.mean(axis=0), likelihood
-    )
-    return replace(chain, samples=samples)
-
-
-def mean_factor(sample: Sample, design: Design, theta: FloatArray, likelihood: Likelihood) -> float:
-    """Return what parameters, (D,), are off the mean frame's measured cost by, spikes aside.
+    """Return a chain whose mean has the mean frame's cost as it was measured, spikes aside.
 
     Where coefficients meet their bound at 0, what is left of the posterior costs more on average
     than the frames did, which is what they tell best: a common factor takes it back.
     """
-    return 1.0 + rise_of(_frames(sample, design, theta, likelihood))
+    rise = rise_of(_frames(sample, design, chain.flat.mean(axis=0), likelihood))
+    samples = chain.samples.copy()
+    samples[..., : len(design.names)] *= 1.0 + rise
+    return replace(chain, samples=samples)

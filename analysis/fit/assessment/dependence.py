@@ -10,13 +10,13 @@ Davison, Statistica Sinica 22, 2012).  The first direction is a common factor of
 along it no bound is met, as a slow machine makes nothing cost less than nothing.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....base.arrays import BoolArray, FloatArray
+from ....base.arrays import FloatArray
 from .slow_error import slow_error
 from .spikes import are_spikes
 
@@ -58,10 +58,6 @@ class Frames:
         one = (self.mean[which], self.scale[which], self.time_ms[which], self.series[which])
         return Frames(self.scaled, self.slopes[:, which], *one, self.dof)
 
-    def without(self, held: BoolArray) -> "Frames":
-        """Return the frames with the coefficients but those that are held at 0, (K,)."""
-        return replace(self, scaled=self.scaled[~held], slopes=self.slopes[~held])
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dependence:
@@ -84,13 +80,6 @@ class Dependence:
     times: FloatArray
     dof: float
     rise: float
-
-    def among(self, free: BoolArray) -> "Dependence":
-        """Return it along K coefficients, (K,), of which it is of those that are free."""
-        along = np.zeros((len(free), self.along.shape[1]))
-        across = np.zeros((len(self.across), len(free)))
-        along[free], across[:, free] = self.along, self.across
-        return replace(self, along=along, across=across)
 
 
 def dependence(frames: Frames) -> Dependence:
