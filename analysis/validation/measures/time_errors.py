@@ -34,8 +34,8 @@ def adapted_ms(
 ) -> FloatArray:
     """Return predictions times the v_time that the frames before have led to, (n,).
 
-    As `policies.shared.times.v_time.VTime` does with one frame in flight: each frame is predicted before
-    it is measured.  The idea is the HLOD thesis', the rate ours.  A frame that is predicted to take
+    As `VTime` of `policies.shared.times` does with one frame in flight: each frame is predicted
+    before it is measured.  The idea is the HLOD thesis', the rate ours.  A frame that is predicted to take
     no time teaches nothing.
     """
     known = predicted_ms > 0.0
