@@ -137,6 +137,9 @@ def solve(shares: Shares) -> Allocation:
         # so Newton's step has ended on the root, not near it.
         if gap == 0.0 or (newton and same):
             break
+        # A budget for all of `high` that lost a bit to rounding: no scale would ever spend it.
+        if gap > 0.0 and at_high.all():
+            break
         # What is spent rises with the scale: the sign of the gap says on which side the root lies.
         below, above = (scale, above) if gap > 0.0 else (below, scale)
         # Only variables between their bounds follow the scale.

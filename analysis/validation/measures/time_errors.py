@@ -35,8 +35,8 @@ def adapted_ms(
     """Return predictions times the v_time that the frames before have led to, (n,).
 
     As `VTime` of `policies.shared.times` does with one frame in flight: each frame is predicted
-    before it is measured.  The idea is the HLOD thesis', the rate ours.  A frame that is predicted to take
-    no time teaches nothing.
+    before it is measured.  The idea is the HLOD thesis', the rate ours.  A frame that is predicted
+    to take no time teaches nothing.
     """
     known = predicted_ms > 0.0
     out = np.full(len(known), np.nan)
