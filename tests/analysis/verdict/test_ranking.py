@@ -52,6 +52,20 @@ def test_equals_are_split_by_the_next_metric() -> None:
     assert [group.behind_by for group in groups] == [None, "work", "pops", "error"]
 
 
+def test_few_pops_do_not_decide_for_a_far_coarser_picture() -> None:
+    """Of 4 and 29 px on four paths neither is shown to be less, as one path has 100 px.
+
+    Pops are shown to differ, and yet both share the rank, which is named after the finer; where
+    errors are within the margin, pops decide as ever.
+    """
+    pops = Criterion("pops", np.array([[26.0, 27.0, 26.0, 27.0], [7.0, 8.0, 7.0, 8.0]]))
+    error = Criterion("error", np.array([[4.0] * 4, [4.0, 5.0, 7.0, 100.0]]), absolute=0.25)
+    (both,) = ranking(["fine", "coarse"], [error, pops])
+    assert both.members == ("fine", "coarse")
+    alike = Criterion("error", np.array([[4.0] * 4, [4.0, 4.1, 4.2, 4.1]]), absolute=0.25)
+    assert standing(ranking(["fine", "coarse"], [alike, pops])) == [{"coarse"}, {"fine"}]
+
+
 def test_higher_is_better() -> None:
     """A metric in which more is better ranks the other way round, with a tenth below the best."""
     benefit = Criterion("benefit", rows([10.0, 9.2, 8.0]), better="higher")
