@@ -83,7 +83,8 @@ class Axis:
 
     def _spread_values(self) -> list[float]:
         """Return 1, 2 and 5 times powers of ten that keep a distance; zero where there is one."""
-        powers = 10.0 ** np.arange(-4, 7)
+        last = math.ceil(math.log10(max(self.high, 1.0)))
+        powers = 10.0 ** np.arange(-4, last + 1)
         values = np.concatenate(([0.0], (powers[:, None] * [1.0, 2.0, 5.0]).ravel()))
         inside = values[(values >= 0.999 * self.low) & (values <= 1.001 * self.high)]
         if self.scale == "log":

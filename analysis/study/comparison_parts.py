@@ -107,7 +107,7 @@ class PolicyResult:
     rank : int or None
         From 1 among those that keep the budget; None of the others and of oracles.
     leader : str or None
-        The policy from which those of its rank could not be told apart.
+        The policy that its rank is named after: those of the rank are not shown to be worse.
     behind_by : str or None
         The metric that puts its rank behind the one before; None of the first.
     same_as : str or None

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 
 from ...base.errors import InputError
 from ...models.meshes.geometry import Geometry
@@ -62,7 +63,9 @@ def draw_moments(
     for place, log in logged:
         window_s = comparison.window_s[place.path]
         frame = None if log is None else _worst_frame(log, window_s)
-        if log is not None and frame is not None:
+        if log is None or frame is None:
+            continue
+        with suppress(MemoryError, ValueError):  # a picture costs no result either
             drawn[place.policy] = _draw(log, frame, scene, geometry, comparison.conditions)
     return drawn
 
@@ -80,7 +83,8 @@ def _draw(
     from ...render.pictures.scene_picture import draw_small
     from ...render.pictures.snapshot import recorded_snapshot
 
-    height_px = max(1, round(_WIDTH_PX * conditions.height_px / conditions.width_px))
+    height_px = round(_WIDTH_PX * conditions.height_px / conditions.width_px)
+    height_px = min(max(1, height_px), 2 * _WIDTH_PX)
     shot = recorded_snapshot(scene, log, frame, (_WIDTH_PX, height_px), conditions.fovy_deg)
     written = io.BytesIO()
     draw_small(shot, geometry).quantize(_COLORS).save(written, format="PNG", optimize=True)

@@ -65,7 +65,8 @@ def _whom(first: Sequence[PolicyResult], budget: str, population: str) -> str:
     if len(first) == 1:
         return f"{sentence}."
     others = _listed([policy.label for policy in first[1:]])
-    return f"{sentence}; {others} could not be told apart from it within the margin."
+    are = "is" if len(first) == 2 else "are"
+    return f"{sentence}; {others} {are} not shown to be worse by more than the margin."
 
 
 def _how_sure(

@@ -22,6 +22,7 @@ Set so that intervals of log-normal, exponential and gamma values called `enough
 
 _FEWEST = 4  # paths, or values above 0, from which a spread is estimated
 _ROUNDING = 1e-6  # relative difference that is none: refreshes end at whole nanoseconds
+_TO_THE_SIDE = 0.2  # mean share, below which shares lean to one side as other positive values do
 _GRID = (np.arange(64) + 0.5) / 64  # quantiles that stand for a distribution
 
 
@@ -76,9 +77,10 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
     "signed": Student's t.  "positive": t on the logarithm of the mean, which reaches further up
     than down.  "share", and "positive" with zeros among them: the share of paths with any (beta;
     exact if no path has) times the mean of those (t on its logarithm), at most 1 for a share; of
-    shares nearer 1, what is missing to it.  "capped": what is missing to the best of the paths, as
-    such a share of it, where most have that; else as "positive".  Paths that are all alike are not
-    enough, but of a share or a rate: how far another may be from them, none tells.
+    shares nearer 1, what is missing to it; of shares about a half Student's t.  "capped": what is
+    missing to the best of the paths, as such a share of it, where most have that; else as
+    "positive".  Paths that are all alike are not enough, but of a share or a rate: how far another
+    may be from them, none tells.
     Of one path there is none: nan.  `needed` counts paths.
 
     Parameters
@@ -97,10 +99,7 @@ def such_paths(values: FloatArray, kind: Kind, level: float = 0.9) -> Interval |
         missing = _of_two_parts(1.0 - values / best, 1.0, level)
         return replace(missing, low=best * (1.0 - missing.high), high=best * (1.0 - missing.low))
     if kind == "share":
-        if values.mean() <= 0.5:
-            return _of_two_parts(values, 1.0, level)
-        missing = _of_two_parts(1.0 - values, 1.0, level)
-        return replace(missing, low=1.0 - missing.high, high=1.0 - missing.low)
+        return _of_share(values, level)
     if kind != "signed" and not (values > 0).all():
         return _of_two_parts(values, np.inf, level)
     found = _of_signed(values, level)
@@ -189,6 +188,24 @@ def _of_positive(values: FloatArray, level: float) -> Interval:
     squared, error = relative_spread(values)
     reach = float(stdtrit(n - 1, (1 + level) / 2)) * error
     return _judged(mean * np.exp(-reach), mean * np.exp(reach), n, squared)
+
+
+def _of_share(values: FloatArray, level: float) -> Interval:
+    """Return the interval of the mean of shares, within [0, 1].
+
+    Two parts hold near 0, and near 1 of what is missing.  Between, where no path is at either end,
+    they would lean to one side: their share of paths with any is less than all of them.
+    """
+    mean, missing = float(values.mean()), 1.0 - values
+    missing[missing <= _ROUNDING] = 0.0
+    within = values.min() > 0.0 and missing.min() > 0.0
+    if within and _TO_THE_SIDE < mean < 1.0 - _TO_THE_SIDE and not _are_alike(values):
+        found = _of_signed(values, level)
+        return replace(found, low=max(found.low, 0.0), high=min(found.high, 1.0))
+    if mean <= 0.5:
+        return _of_two_parts(values, 1.0, level)
+    found = _of_two_parts(missing, 1.0, level)
+    return replace(found, low=1.0 - found.high, high=1.0 - found.low)
 
 
 def _of_two_parts(values: FloatArray, most: float, level: float) -> Interval:

@@ -6,8 +6,9 @@ group of equals is then split by the next metric, and so on: a group that is lef
 Equality is with who leads: two members of a group may differ from each other.
 
 Not shown to be worse is not shown to be equal.  A later metric puts nobody behind a leader whose
-mean in an earlier one is beyond the margin of theirs: few pops do not decide against a picture of
-4 px for one of 29 because four paths are too few to show that 4 is less.  They share the rank.
+mean in an earlier one is more than twice theirs: few pops do not decide against a picture of 4 px
+for one of 29 because four paths are too few to show that 4 is less.  They share the rank.  Less
+than that is what noise makes of equals, whom a later metric may well tell apart.
 
 Policies that no metric tells apart go together, wherever one of them goes.  Otherwise two that
 decide alike would come to stand on either side of a border by chance: a quarter of the time, where
@@ -35,6 +36,10 @@ two equal policies on ten paths are told apart, in all metrics together."""
 _APART = 3.0
 """Standard errors by which two that are told apart differ: of ten paths what Student's t asks at
 `ALPHA` over three metrics.  Of four it would ask five, and chain together all that is noisy."""
+
+_FAR = 2.0
+"""Times the mean of another from which on a later metric decides nothing: of equals whose paths
+differ by half on a logarithm, one in forty pairs on four paths, and one in a thousand on ten."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +121,12 @@ def _split(
 
 
 def _ahead(policies: list[int], criteria: Sequence[Criterion]) -> BoolArray:
-    """Return whose mean is better than the first's in a metric, by more than the margin, (m,)."""
+    """Return whose mean is better than the first's in a metric, `_FAR` times and more, (m,)."""
     ahead = np.zeros(len(policies), dtype=np.bool_)
     for criterion in criteria:
         mean = criterion.values[policies].mean(axis=1)
-        ahead |= beyond_margin(np.full_like(mean, mean[0]), mean, criterion) > 0.0
+        far = beyond_margin(np.full_like(mean, mean[0]), mean, criterion) > 0.0
+        ahead |= far & (mean[0] - mean > (_FAR - 1.0) * np.abs(mean))
     return ahead
 
 

@@ -77,10 +77,12 @@ def test_both_sides_show_one_time(open_page: Open, viewer: str, compared: Compar
     names = page.eval_on_selector_all(
         ".pane select", "els => els.map(e => e.selectedOptions[0].text)"
     )
+    sides = page.eval_on_selector_all(".pane select", "els => els.map(e => e.selectedIndex)")
     logs = [compared.logs[name] for name in names]
     assert names == [compared.comparison.ok[0].label, "full"]
     for time_s in (0.4, 2.5, 1.7, 0.0, 2.9):
-        page.evaluate("t => { location.hash = `t=${t}&sides=0.2`; }", time_s)
+        page.evaluate("([t, a, b]) => { location.hash = `t=${t}&sides=${a}.${b}`; }",
+                      [time_s, *sides])  # fmt: skip
         page.wait_for_function("t => document.querySelector('.at').textContent.startsWith(t)",
                                arg=f"{time_s:.2f}")  # fmt: skip
         got = page.evaluate(SIDES)

@@ -111,6 +111,9 @@ def test_a_study_has_players_who_share_a_screen(tmp_path: Path) -> None:
     path.write_text(f'traces = [["walk", "drive"], ["walk", "drive"]]\n{head}', encoding="utf-8")
     with pytest.raises(InputError, match=r"walk \+ drive: expected each once"):
         read_study(path)
+    path.write_text(f"traces = [[]]\n{head}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"toml:1: traces: expected 1 to 4 players of"):
+        read_study(path)
 
 
 def test_a_gate_has_players_who_share_a_screen() -> None:

@@ -41,7 +41,7 @@ def _in_short(results: Results) -> str:
 def ranks(results: Results) -> tuple[Block, ...]:
     """Who keeps the budget, by what can be seen.
 
-    “=” could not be told apart from the first of its rank.  Below each value stands its {level}
+    “=” is not shown to be worse than the first of its rank.  Below each value stands its {level}
     interval.  Press a heading to sort by it.
     """
     ranked = [policy for policy in results.drawn if policy.rank is not None]

@@ -59,7 +59,10 @@ def _why_none(results: Results) -> str:
         return (
             "No pictures: several cameras look at once, and no single picture shows what they saw."
         )
-    return "No pictures: this record keeps none. lodbench compare --out makes them with its record."
+    return (
+        "No pictures: this record keeps none. lodbench compare --out makes them with its record, "
+        "but of moments behind the changes of level that it keeps."
+    )
 
 
 def _picture(results: Results, policy: PolicyResult, m: Moment, png: bytes) -> Picture:

@@ -15,6 +15,7 @@ from ....base.reader_guard import guarded
 from ....policies.policy_spec import PolicySpec
 from ....policies.registry import parse_policy
 from ....sim.machine.faults import parse_faults
+from ....traces.cameras.shared_screen import MOST_PLAYERS
 from ..axes.conditions import MACHINE, option_axis
 from ..axes.parameters import column_of, param_axis
 from ..axes.values import count_range, step_range
@@ -146,6 +147,10 @@ class _Reader:
         found: dict[str, str | tuple[str, ...]] = {}
         for item in cast("list[Any]", value) if isinstance(value, list) else [value]:
             paths = find_things(self._texts(item, "traces"), self._folder)
+            if isinstance(item, list) and not 1 <= len(paths) <= MOST_PLAYERS:
+                self._document.fail(
+                    "traces", f"expected 1 to {MOST_PLAYERS} players of a screen, got {len(paths)}"
+                )
             shared = {" + ".join(paths): tuple(paths.values())}
             for name, path in (shared if isinstance(item, list) else paths).items():
                 if name in found:

@@ -87,6 +87,22 @@ def test_a_share_never_exceeds_one() -> None:
     assert 0 < found.low < found.high <= 1
 
 
+@pytest.mark.parametrize(("truth", "sd"), [(0.48, 0.05), (0.5, 0.02), (0.52, 0.05), (0.3, 0.1)])
+def test_shares_about_a_half_are_covered_as_stated(truth: float, sd: float) -> None:
+    """Of ten paths each: a share has no side to lean to there, and no border at a half."""
+    rng = np.random.default_rng(11)
+    both = truth * (1.0 - truth) / sd**2 - 1.0
+    studies = rng.beta(truth * both, (1.0 - truth) * both, (800, 10))
+    found = [over_paths(values, "share") for values in studies]
+    covered = np.mean([interval.low <= truth <= interval.high for interval in found])
+    assert covered == pytest.approx(0.9, abs=noise_of(0.9, 800))
+    below, above = (
+        over_paths(np.array([0.5, 0.5, 0.5, 0.51, last]), "share") for last in (0.49, 0.4901)
+    )
+    assert above.low == pytest.approx(below.low, abs=1e-3)
+    assert above.high == pytest.approx(below.high, abs=1e-3)
+
+
 def test_a_share_that_is_the_whole_on_all_paths_may_be_less_on_others() -> None:
     """Ten paths that miss all of the time: at worst .05^(1/10) of such paths do, and none else."""
     found = over_paths(np.ones(10), "share")

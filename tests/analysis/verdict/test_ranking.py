@@ -66,6 +66,23 @@ def test_few_pops_do_not_decide_for_a_far_coarser_picture() -> None:
     assert standing(ranking(["fine", "coarse"], [alike, pops])) == [{"coarse"}, {"fine"}]
 
 
+def test_noise_in_errors_does_not_hide_what_pops_show() -> None:
+    """Equal errors, log-normal by half between paths, and 180 pops a second beside .3.
+
+    Of 400 studies of four paths the noisy policy shares the rank in few, of ten in next to none.
+    """
+    for paths, most in ((4, 0.05), (10, 0.01)):
+        shared = 0
+        for seed in range(400):
+            rng = np.random.default_rng((paths, seed))
+            errors = np.exp(0.5 * rng.standard_normal((2, paths)))
+            pops = np.array([[180.0], [0.3]]) + np.array([[2.0], [0.1]]) * rng.random((2, paths))
+            order = [Criterion("error", 2.0 * errors, absolute=0.25), Criterion("pops", pops)]
+            shared += ranking(["noisy", "calm"], order)[0].members != ("calm",)
+        # Where the noisy one is shown to be finer, which is one study in twenty, it is first.
+        assert shared <= (most + 0.05) * 400
+
+
 def test_higher_is_better() -> None:
     """A metric in which more is better ranks the other way round, with a tenth below the best."""
     benefit = Criterion("benefit", rows([10.0, 9.2, 8.0]), better="higher")

@@ -120,7 +120,7 @@ def test_policies_of_equal_distribution_share_a_rank(judged: MakeJudged) -> None
     assert set(ranks(verdict).values()) == {1}
     leaders = {policy.leader for policy in verdict.policies}
     assert len(leaders) == 1
-    assert "could not be told apart" in verdict.answer[0]
+    assert "not shown to be worse" in verdict.answer[0]
     near = verdict.order.p_near_best
     assert min(near.values()) > 0.9
 
