@@ -22,7 +22,7 @@ _ROOMS = ("base", "models", "traces", "policies", "sim", "analysis/metrics", "an
 
 _RUN_LIBRARIES = ("numpy", "scipy", "casadi")
 """What computes those numbers beside Python; another version may do it otherwise."""
-_PAGE_LIBRARIES = ("plotly", "pyarrow", "jinja2")
+_PAGE_LIBRARIES = ("pillow", "pyarrow", "jinja2")
 
 
 @cache
